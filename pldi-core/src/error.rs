@@ -1,0 +1,115 @@
+//! What can be wrong with an input: small, `Copy`, naming the culprit.
+
+use core::fmt;
+
+/// The reason a call was refused. A frame in which nothing is found is not an error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Error {
+    /// An image has another number of pixels than its size says.
+    PixelCount {
+        /// Which image ("depth", "colour").
+        image: &'static str,
+        /// Pixels that the size asks for.
+        expected: usize,
+        /// Pixels (or bytes, for colour) that were given.
+        found: usize,
+    },
+    /// The intrinsics belong to images of another size than the frame's.
+    IntrinsicsSize {
+        /// Width and height in pixels that the intrinsics were calibrated for.
+        intrinsics: (u16, u16),
+        /// Width and height in pixels of the frame.
+        frame: (u16, u16),
+    },
+    /// A parameter is not a finite number.
+    NotFinite(&'static str),
+    /// A parameter lies outside of its stated range.
+    OutOfRange(&'static str),
+    /// A fixed capacity was too small; the name says which.
+    Capacity(&'static str),
+    /// A template file was refused.
+    Templates(TemplateError),
+}
+
+/// Why a template file was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum TemplateError {
+    /// The file is shorter than its header says (or than a header is).
+    Cut {
+        /// Bytes that the header asks for.
+        expected: usize,
+        /// Bytes that are there.
+        found: usize,
+    },
+    /// The file does not begin with the magic bytes of a template file.
+    NotTemplates,
+    /// The file has a version of the format that this library does not read.
+    Version(u16),
+    /// The checksum does not fit: some byte was changed.
+    Checksum {
+        /// CRC-32 in the header.
+        stored: u32,
+        /// CRC-32 of the content.
+        computed: u32,
+    },
+    /// A field of the header or of a record is out of range; the name says which.
+    Field(&'static str),
+    /// The templates were computed with another descriptor, framing or radius than the pipeline's.
+    Parameters {
+        /// Hash of the view parameters in the file.
+        file: u32,
+        /// Hash of the pipeline's view parameters.
+        pipeline: u32,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::PixelCount { image, expected, found } => {
+                write!(f, "the {image} image has {found} values, its size asks for {expected}")
+            }
+            Self::IntrinsicsSize { intrinsics: (iw, ih), frame: (w, h) } => {
+                write!(f, "the intrinsics are for {iw}x{ih} images, the frame is {w}x{h}: scale them (Intrinsics::reduced)")
+            }
+            Self::NotFinite(name) => write!(f, "{name} is not a finite number"),
+            Self::OutOfRange(name) => write!(f, "{name} is out of range"),
+            Self::Capacity(name) => write!(f, "the fixed capacity for {name} is used up"),
+            Self::Templates(e) => e.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for TemplateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Cut { expected, found } => write!(f, "the template file is cut: {found} bytes of {expected}"),
+            Self::NotTemplates => write!(f, "not a template file (it does not begin with PLDT)"),
+            Self::Version(v) => {
+                write!(f, "template file of format version {v}, this library reads version {}", crate::templates::VERSION)
+            }
+            Self::Checksum { stored, computed } => {
+                write!(f, "the template file is damaged: CRC-32 {computed:08x}, its header says {stored:08x}")
+            }
+            Self::Field(name) => write!(f, "the template file's {name} is out of range"),
+            Self::Parameters { file, pipeline } => write!(
+                f,
+                "the templates were built with other view parameters ({file:08x}) than the pipeline's ({pipeline:08x}): \
+                 use the same descriptor, framing and radius, or build the templates again"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for Error {}
+impl core::error::Error for TemplateError {}
+
+impl From<TemplateError> for Error {
+    fn from(e: TemplateError) -> Self {
+        Self::Templates(e)
+    }
+}
