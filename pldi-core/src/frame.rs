@@ -166,17 +166,15 @@ impl<'a, const W: usize, const H: usize> Frame<'a, W, H> {
     /// # Errors
     /// `PixelCount` where a buffer has another length.
     pub fn new(depth: &'a [u16], colour: Option<&'a [u8]>) -> Result<Self, Error> {
-        Ok(Self {
-            depth: image(depth, "depth", W * H)?,
-            colour: match colour {
-                None => None,
-                Some(bytes) => Some(image(bytes.as_chunks::<3>().0, "colour", W * H).map_err(|_| Error::PixelCount {
-                    image: "colour",
-                    expected: 3 * W * H,
-                    found: bytes.len(),
-                })?),
+        let depth = image(depth, "depth")?;
+        let colour = match colour {
+            None => None,
+            Some(bytes) => match bytes.as_chunks::<3>() {
+                (pixels, []) if pixels.len() == W * H => Some(image(pixels, "colour")?),
+                _ => return Err(Error::PixelCount { image: "colour", expected: 3 * W * H, found: bytes.len() }),
             },
-        })
+        };
+        Ok(Self { depth, colour })
     }
 }
 
@@ -184,12 +182,11 @@ impl<'a, const W: usize, const H: usize> Frame<'a, W, H> {
 fn image<'a, T, const W: usize, const H: usize>(
     flat: &'a [T],
     name: &'static str,
-    expected: usize,
 ) -> Result<&'a Image<T, W, H>, Error> {
     let (rows, rest) = flat.as_chunks::<W>();
     match rows.try_into() {
         Ok(image) if rest.is_empty() => Ok(image),
-        _ => Err(Error::PixelCount { image: name, expected, found: flat.len() }),
+        _ => Err(Error::PixelCount { image: name, expected: W * H, found: flat.len() }),
     }
 }
 
@@ -207,12 +204,8 @@ mod tests {
             Error::PixelCount { image: "depth", expected: 12, found: 11 }
         );
         assert_eq!(
-            Frame::<4, 3>::new(&depth, Some(&[0; 37])).map(|_| ()),
-            Frame::<4, 3>::new(&depth, Some(&[0; 36])).map(|_| ()).and(Err(Error::PixelCount {
-                image: "colour",
-                expected: 36,
-                found: 37
-            }))
+            Frame::<4, 3>::new(&depth, Some(&[0; 37])).unwrap_err(),
+            Error::PixelCount { image: "colour", expected: 36, found: 37 }
         );
     }
 
