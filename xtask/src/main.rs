@@ -1,2 +1,56 @@
-//! Tasks.
-fn main() {}
+//! Repository tasks: `cargo xtask help` lists them.
+//!
+//! Standard library only, so that it builds in a second. Every task is a list of steps; all of them run, and what
+//! failed is told again at the end, so that one run shows everything that is wrong.
+
+mod ci;
+mod conformance;
+mod golden;
+mod nostd;
+mod process;
+mod report;
+
+use std::process::ExitCode;
+
+use report::Report;
+
+const HELP: &str = "\
+Repository tasks.
+
+Usage: cargo xtask TASK
+
+Tasks:
+  ci                everything below, after formatting, lints, documentation and tests: what CI runs
+  nostd             pldi-core for microcontrollers, with and without its features
+  golden            makes the committed golden data anew
+  golden --check    makes it elsewhere and compares it byte for byte with what is committed
+  conformance       compares the stages of `pldi` with the reference, on real recordings
+  help              this text
+
+Environment:
+  CI                when set, a step that lacks a tool fails instead of being skipped
+  PLDI_PYTHON       the Python of the conformance judge; default target/judge-venv/bin/python, then python3
+
+Exit code: 0 when nothing failed, 1 when a step failed, 2 for a wrong command line.";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let mut report = Report::default();
+    match arguments[..] {
+        ["ci"] => ci::run(&mut report),
+        ["nostd"] => nostd::run(&mut report),
+        ["golden"] => golden::run(&mut report, golden::Mode::Renew),
+        ["golden", "--check"] => golden::run(&mut report, golden::Mode::Check),
+        ["conformance"] => conformance::run(&mut report),
+        ["help" | "--help" | "-h"] => {
+            println!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        _ => {
+            eprintln!("{HELP}");
+            return ExitCode::from(2);
+        }
+    }
+    report.finish()
+}

@@ -1,0 +1,54 @@
+//! Everything that must hold before a change lands.
+
+use crate::process::{cargo, run as run_command};
+use crate::report::Report;
+use crate::{conformance, golden, nostd};
+
+/// `pldi-core`'s features. A test below keeps this list as the manifest has it.
+const CORE_FEATURES: [&str; 3] = ["defmt", "nalgebra", "approx-math"];
+
+/// Runs all steps, the quick ones first.
+pub(crate) fn run(report: &mut Report) {
+    step(report, "format", "fmt --all -- --check");
+    step(report, "clippy", "clippy --workspace --all-targets --locked -- -D warnings");
+    for feature in CORE_FEATURES {
+        let line = format!("clippy -p pldi-core --all-targets --locked --features {feature} -- -D warnings");
+        step(report, &format!("clippy, pldi-core with {feature}"), &line);
+    }
+    for (name, line) in [
+        ("documentation", "doc --no-deps --workspace --locked"),
+        ("documentation, pldi-core with all features", "doc --no-deps -p pldi-core --all-features --locked"),
+    ] {
+        report.step(name, || run_command(cargo(line).env("RUSTDOCFLAGS", "-D warnings")));
+    }
+    step(report, "tests", "test --workspace --locked --no-fail-fast");
+    // Tests with defmt cannot link on a host, and approx-math gives up the accuracy that they check.
+    step(report, "tests, pldi-core with nalgebra", "test -p pldi-core --locked --no-fail-fast --features nalgebra");
+    nostd::run(report);
+    golden::run(report, golden::Mode::Check);
+    conformance::run(report);
+}
+
+fn step(report: &mut Report, name: &str, line: &str) {
+    report.step(name, || run_command(&mut cargo(line)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::CORE_FEATURES;
+
+    #[test]
+    fn every_feature_of_the_core_is_checked() {
+        let manifest = std::fs::read_to_string(crate::process::root().join("pldi-core/Cargo.toml")).unwrap();
+        let features: Vec<&str> = manifest
+            .lines()
+            .skip_while(|line| line.trim() != "[features]")
+            .skip(1)
+            .take_while(|line| !line.starts_with('['))
+            .filter(|line| !line.starts_with('#'))
+            .filter_map(|line| Some(line.split_once('=')?.0.trim()))
+            .filter(|name| *name != "default")
+            .collect();
+        assert_eq!(features, CORE_FEATURES);
+    }
+}
