@@ -20,12 +20,12 @@ pub(crate) fn run(report: &mut Report) {
         let shared = root().join("../shared");
         let (recordings, reference) = (shared.join("data/recordings"), shared.join("reference"));
         if !recordings.is_dir() || !reference.is_dir() {
-            return Outcome::Skipped("conformance (no recordings or no reference in ../shared)".into());
+            return Outcome::Skipped("no recordings or no reference in ../shared".into());
         }
         let Some(python) = python() else {
             return Outcome::missing_tool(
-                "conformance (no Python with the judge's modules: make target/judge-venv with \
-                 tests/judge/requirements.txt, or set PLDI_PYTHON)"
+                "no Python with the judge's modules: make target/judge-venv with tests/judge/requirements.txt, \
+                 or set PLDI_PYTHON"
                     .into(),
             );
         };

@@ -33,8 +33,8 @@ pub(crate) fn run(report: &mut Report) {
             report.step(format!("no_std build for {target}, {name}"), || match toolchain {
                 Some(toolchain) => run_command(&mut build(toolchain, target, options)),
                 None => Outcome::missing_tool(format!(
-                    "no_std build (install the target with 'rustup target add {target}', \
-                     or Debian's rustc-web, cargo-web and rust-web-src)"
+                    "install the target with 'rustup target add {target}', \
+                     or Debian's rustc-web, cargo-web and rust-web-src"
                 )),
             });
         }

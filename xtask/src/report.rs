@@ -55,7 +55,7 @@ impl Report {
         match &outcome {
             Outcome::Passed => println!("passed: {name} in {:.1} s", took.as_secs_f64()),
             Outcome::Failed(why) => println!("FAILED: {name} in {:.1} s: {why}", took.as_secs_f64()),
-            Outcome::Skipped(why) => println!("SKIPPED: {name}: {why}"),
+            Outcome::Skipped(why) => println!("SKIPPED: {name} ({why})"),
         }
         self.steps.push((name, outcome, took));
     }
@@ -88,7 +88,7 @@ impl Report {
         // What needs a reader's eye comes last, where it is seen.
         for (name, outcome, _) in &self.steps {
             match outcome {
-                Outcome::Skipped(why) => text += &format!("SKIPPED: {name}: {why}\n"),
+                Outcome::Skipped(why) => text += &format!("SKIPPED: {name} ({why})\n"),
                 Outcome::Failed(why) => text += &format!("FAILED: {name}: {why}\n"),
                 Outcome::Passed => {}
             }
@@ -110,7 +110,7 @@ mod tests {
         report.step("c", || Outcome::Skipped("no tool".into()));
         let summary = report.summary();
         assert!(summary.contains("FAILED: a: no luck\n"), "{summary}");
-        assert!(summary.contains("SKIPPED: c: no tool\n"), "{summary}");
+        assert!(summary.contains("SKIPPED: c (no tool)\n"), "{summary}");
         assert_eq!(summary.lines().last(), Some("1 passed, 1 failed, 1 skipped"));
     }
 
