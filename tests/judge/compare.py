@@ -103,7 +103,7 @@ class Verdicts:
         self.rows.append(row | {"measured": measured, "bound": bound, "note": note})
         measured, bound = (x if isinstance(x, str) else f"{x:.6g}" for x in (measured, bound))
         verdict = ("ok" if holds else "FAILED") if judged else "info"
-        print(f"{case:16} {criterion:34} {measured:>12} {bound:>12}  {verdict:6} {note}".rstrip(), flush=True)
+        print(f"{case:18} {criterion:34} {measured:>12} {bound:>12}  {verdict:6} {note}".rstrip(), flush=True)
 
     def share(self, case, criterion, hits, bound, note="", judged=True):
         """`hits`: one truth value for each pixel compared; their share must reach the bound."""
@@ -205,7 +205,7 @@ def main():
     start = time.monotonic()
     reference = load_reference(arguments.reference)
     verdicts = Verdicts()
-    print(f"{'frame':16} {'criterion':34} {'measured':>12} {'bound':>12}  verdict")
+    print(f"{'frame':18} {'criterion':34} {'measured':>12} {'bound':>12}  verdict")
     views = 0
     for recording, index, stages in arguments.case:
         views += compare(verdicts, reference, Path(recording), int(index), Path(stages), arguments.n_input)
