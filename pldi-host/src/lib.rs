@@ -1,1 +1,9 @@
-#![doc = "Host."]
+//! The library behind the command `pldi`: RGB-D recordings in, files out.
+//!
+//! Everything that decides what is recognised lives in `pldi_core`; this crate brings frames to it and results away.
+
+pub mod error;
+pub mod input;
+pub mod output;
+
+pub use error::Error;

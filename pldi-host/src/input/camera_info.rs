@@ -1,0 +1,154 @@
+//! ROS `camera_info.yaml`: the calibration beside a recording.
+
+use std::path::Path;
+
+use pldi_core::Intrinsics;
+use serde::Deserialize;
+
+use super::files;
+use super::intrinsics::checked;
+use crate::Error;
+use crate::error::IntrinsicsOrigin;
+
+/// A calibration has 20 lines.
+const MAX_BYTES: u64 = 1 << 20;
+
+// Everything is read as f64 and checked here: the message then names the key, not the parser's view of it.
+#[derive(Deserialize)]
+struct CameraInfo {
+    image_width: f64,
+    image_height: f64,
+    camera_matrix: Matrix,
+    distortion_model: Option<String>,
+    distortion_coefficients: Option<Matrix>,
+}
+
+#[derive(Deserialize)]
+struct Matrix {
+    data: Vec<f64>,
+}
+
+/// Reads the pinhole part of a calibration. Lens distortion is not undone: where the file has some, a warning says so.
+///
+/// # Errors
+/// What is missing or absurd, with the file and the key.
+pub fn read_camera_info(path: &Path) -> Result<Intrinsics, Error> {
+    parse(path, &files::read_text(path, MAX_BYTES)?)
+}
+
+fn parse(path: &Path, text: &str) -> Result<Intrinsics, Error> {
+    let content = |reason: String| Error::Content { path: path.to_owned(), reason };
+    let info: CameraInfo = serde_saphyr::from_str(text).map_err(|e| {
+        // The first line says what and where; the rest is an excerpt of the file.
+        let message = e.to_string();
+        let message = message.lines().next().unwrap_or_default();
+        content(format!("not a camera_info file with image_width, image_height and camera_matrix.data: {message}"))
+    })?;
+    let origin = IntrinsicsOrigin::File(path.to_owned());
+    let side = |name, value: f64| {
+        if value.fract() == 0.0 && (1.0..=f64::from(u16::MAX)).contains(&value) {
+            return Ok(value as u16);
+        }
+        Err(Error::Intrinsics { origin: origin.clone(), name, value, reason: "is not a size in pixels".into() })
+    };
+    let size = (side("image_width", info.image_width)?, side("image_height", info.image_height)?);
+    let &[fx, skew, cx, a, fy, cy, b, c, one] = info.camera_matrix.data.as_slice() else {
+        let n = info.camera_matrix.data.len();
+        return Err(content(format!("camera_matrix.data has {n} numbers, a 3x3 matrix has 9")));
+    };
+    for (name, value, expected) in [
+        ("camera_matrix.data[1] (skew)", skew, 0.0),
+        ("camera_matrix.data[3]", a, 0.0),
+        ("camera_matrix.data[6]", b, 0.0),
+        ("camera_matrix.data[7]", c, 0.0),
+        ("camera_matrix.data[8]", one, 1.0),
+    ] {
+        if value != expected {
+            let reason = format!("must be {expected} in a pinhole camera's matrix");
+            return Err(Error::Intrinsics { origin, name, value, reason });
+        }
+    }
+    let intrinsics = checked(&origin, size, [fx, fy, cx, cy])?;
+    let distortion = info.distortion_coefficients.map(|m| m.data).unwrap_or_default();
+    if let Some(&value) = distortion.iter().find(|d| !d.is_finite()) {
+        let reason = "is not a finite number".into();
+        return Err(Error::Intrinsics { origin, name: "distortion_coefficients.data", value, reason });
+    }
+    if distortion.iter().any(|&d| d != 0.0) {
+        let model = info.distortion_model.as_deref().unwrap_or("unnamed");
+        tracing::warn!(
+            "{}: the lens distortion ({model} {distortion:?}) is not undone; rectify the recording where it matters",
+            path.display()
+        );
+    }
+    Ok(intrinsics)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const GOOD: &str = "image_width: 640\nimage_height: 480\ncamera_name: x\ncamera_matrix:\n  rows: 3\n  cols: 3\n  \
+                        data: [525, 0.0, 319.5, 0.0, 526.5, 239.5, 0.0, 0.0, 1.0]\ndistortion_model: plumb_bob\n\
+                        distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0.0, 0.0, 0.0, 0.0, 0.0]\n";
+
+    fn read(text: &str) -> Result<Intrinsics, Error> {
+        parse(Path::new("camera_info.yaml"), text)
+    }
+
+    #[test]
+    fn the_ros_keys_are_read() {
+        let k = read(GOOD).unwrap();
+        assert_eq!(k, Intrinsics { width: 640, height: 480, fx: 525.0, fy: 526.5, cx: 319.5, cy: 239.5 });
+        let short = GOOD.split("distortion_model").next().unwrap();
+        assert_eq!(read(short).unwrap(), k);
+        // Distorted lenses are read (and warned about).
+        assert_eq!(read(&GOOD.replace("[0.0, 0.0, 0.0, 0.0, 0.0]", "[0.1, -0.2, 0, 0, 0]")).unwrap(), k);
+    }
+
+    #[test]
+    fn absurd_numbers_are_refused_by_name() {
+        for (from, to, name) in [
+            ("640", "0", "image_width = 0"),
+            ("640", "-640", "image_width = -640"),
+            ("640", "640.5", "image_width = 640.5"),
+            ("480", "1e9", "image_height = 1000000000"),
+            ("480", ".nan", "image_height = NaN"),
+            ("525", ".nan", "fx = NaN"),
+            ("526.5", ".inf", "fy = inf"),
+            ("525", "0", "fx = 0"),
+            ("319.5", "-1e5", "cx = -100000"),
+            ("[525, 0.0", "[525, 3", "skew"),
+            ("0.0, 0.0, 1.0]", "0.0, 0.0, 0]", "data[8]"),
+            (", 1.0]", "]", "has 8 numbers"),
+            ("[0.0, 0.0, 0.0, 0.0, 0.0]", "[.inf]", "distortion_coefficients.data = inf"),
+            ("image_height: 480\n", "", "image_height"),
+            ("camera_matrix", "matrix", "camera_matrix"),
+        ] {
+            let error = read(&GOOD.replacen(from, to, 1)).unwrap_err();
+            let text = error.to_string();
+            assert!(!error.is_usage() && text.contains(name) && text.contains("camera_info.yaml"), "{to}: {text}");
+        }
+    }
+
+    #[test]
+    fn garbage_is_refused() {
+        for text in ["", "\0\u{1}\u{2}", "{{{{", "- a\n- b", "image_width: [", "&a [*a]", "%YAML:1.0\n---\nx", "640"] {
+            assert!(matches!(read(text), Err(Error::Content { .. })), "{text:?}");
+        }
+        // Nesting far beyond any calibration must neither overflow the stack nor take long.
+        assert!(read(&"[".repeat(100_000)).is_err());
+        assert!(read(&"a: ".repeat(100_000)).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn no_text_panics(at in 0usize..300, junk in "\\PC{0,8}") {
+            let mut text = GOOD.to_owned();
+            text.insert_str(at.min(GOOD.len()), &junk);
+            let _ = read(&text);
+            let _ = read(&junk);
+        }
+    }
+}

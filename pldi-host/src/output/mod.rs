@@ -1,0 +1,4 @@
+//! Files written: whole or not at all.
+
+pub mod atomic;
+pub mod png;
