@@ -1,9 +1,10 @@
-//! The library behind the command `pldi`: RGB-D recordings in, files out.
+//! The library behind the command `pldi`: RGB-D recordings in, templates from meshes, files out.
 //!
 //! Everything that decides what is recognised lives in `pldi_core`; this crate brings frames to it and results away.
 
 pub mod error;
 pub mod input;
+pub mod mesh;
 pub mod output;
 
 pub use error::Error;
