@@ -74,7 +74,10 @@ impl fmt::Display for Error {
                 write!(f, "the {image} image has {found} values, its size asks for {expected}")
             }
             Self::IntrinsicsSize { intrinsics: (iw, ih), frame: (w, h) } => {
-                write!(f, "the intrinsics are for {iw}x{ih} images, the frame is {w}x{h}: scale them (Intrinsics::reduced)")
+                write!(
+                    f,
+                    "the intrinsics are for {iw}x{ih} images, the frame is {w}x{h}: scale them (Intrinsics::reduced)"
+                )
             }
             Self::NotFinite(name) => write!(f, "{name} is not a finite number"),
             Self::OutOfRange(name) => write!(f, "{name} is out of range"),
@@ -90,7 +93,11 @@ impl fmt::Display for TemplateError {
             Self::Cut { expected, found } => write!(f, "the template file is cut: {found} bytes of {expected}"),
             Self::NotTemplates => write!(f, "not a template file (it does not begin with PLDT)"),
             Self::Version(v) => {
-                write!(f, "template file of format version {v}, this library reads version {}", crate::templates::VERSION)
+                write!(
+                    f,
+                    "template file of format version {v}, this library reads version {}",
+                    crate::templates::VERSION
+                )
             }
             Self::Checksum { stored, computed } => {
                 write!(f, "the template file is damaged: CRC-32 {computed:08x}, its header says {stored:08x}")
@@ -103,6 +110,11 @@ impl fmt::Display for TemplateError {
             ),
         }
     }
+}
+
+/// Checks `min <= value && value <= max`; NaN is out of every range.
+pub(crate) fn within(name: &'static str, value: f32, min: f32, max: f32) -> Result<(), Error> {
+    if min <= value && value <= max { Ok(()) } else { Err(Error::OutOfRange(name)) }
 }
 
 impl core::error::Error for Error {}

@@ -1,0 +1,212 @@
+//! Outer borders of the occupied regions of a ground map, by border following (Suzuki and Abe 1985, algorithm 2:
+//! outermost borders only), and their interiors.
+//!
+//! Cells outside of the map count as empty all round, so a region that touches the map's edge is found like any other.
+//! Regions are 8-connected. What lies inside a border, holes and the regions in them included, belongs to it.
+
+use super::{CELL, MAP_DEPTH, MAP_WIDTH, MAX_CLUSTERS, MAX_CONTOUR_POINTS, Map};
+use crate::Error;
+use heapless::Vec;
+
+/// A cell on a contour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ContourPoint {
+    /// Column of the cell.
+    pub column: u8,
+    /// Row of the cell.
+    pub row: u8,
+}
+
+const _: () = assert!(MAP_WIDTH <= 256 && MAP_DEPTH <= 256 && MAX_CLUSTERS < 255);
+
+/// An outer border: a range of the frame's contour points, in order, and what it encloses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Contour {
+    /// Index of the first point.
+    pub start: u16,
+    /// Number of points (a thin part is passed twice).
+    pub points: u16,
+    /// Cells on the border and inside of it.
+    pub cells: u32,
+    /// Length of the way through the cells' centres, in metres.
+    pub length: f32,
+}
+
+impl Contour {
+    /// Area in m^2.
+    pub fn area(&self) -> f32 {
+        self.cells as f32 * (CELL * CELL)
+    }
+
+    /// The contour's points out of those of the frame.
+    pub fn of<'a>(&self, points: &'a [ContourPoint]) -> &'a [ContourPoint] {
+        let start = usize::from(self.start);
+        points.get(start..start + usize::from(self.points)).unwrap_or(&[])
+    }
+}
+
+/// The contour's cell is occupied.
+const OCCUPIED: u8 = 1;
+/// The border passes on the cell's left side.
+const LEFT: u8 = 2;
+/// The border passes on the cell's right side.
+const RIGHT: u8 = 4;
+
+/// Neighbours counter-clockwise as seen with rows growing downwards, starting at the right: (column, row) steps.
+const STEPS: [(i32, i32); 8] = [(1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)];
+/// Direction of the right neighbour in [`STEPS`].
+const EAST: usize = 0;
+/// Direction of the left neighbour in [`STEPS`].
+const WEST: usize = 4;
+
+/// Finds the outer borders of the cells whose density reaches `threshold`.
+///
+/// `labels` receives the number (1, 2, ... in the order of `contours`) of the contour that each cell lies in, 0 for none;
+/// `marks` is scratch.
+///
+/// # Errors
+/// `Capacity("clusters")` or `Capacity("contour points")`; what was found until then is complete.
+pub fn find(
+    density: &Map<f32>,
+    threshold: f32,
+    marks: &mut Map<u8>,
+    labels: &mut Map<u8>,
+    contours: &mut Vec<Contour, MAX_CLUSTERS>,
+    points: &mut Vec<ContourPoint, MAX_CONTOUR_POINTS>,
+) -> Result<(), Error> {
+    contours.clear();
+    points.clear();
+    labels.as_flattened_mut().fill(0);
+    for (mark, value) in marks.as_flattened_mut().iter_mut().zip(density.as_flattened()) {
+        *mark = if *value >= threshold { OCCUPIED } else { 0 };
+    }
+    for row in 0..MAP_DEPTH {
+        for column in 0..MAP_WIDTH {
+            let left_empty = column == 0 || marks[row][column - 1] == 0;
+            if marks[row][column] == 0 || !left_empty || labels[row][column] != 0 {
+                continue;
+            }
+            let start = points.len();
+            let label = contours.len() as u8 + 1;
+            let followed = follow(marks, column as i32, row as i32, points);
+            let Ok((length, bounds)) = followed else {
+                points.truncate(start);
+                return Err(Error::Capacity("contour points"));
+            };
+            let contour = Contour {
+                start: start as u16,
+                points: (points.len() - start) as u16,
+                cells: fill(marks, labels, label, bounds),
+                length,
+            };
+            if contours.push(contour).is_err() {
+                erase(labels, label);
+                points.truncate(start);
+                return Err(Error::Capacity("clusters"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Smallest column and row, largest column and row.
+type Bounds = [i32; 4];
+
+/// Whether a cell is occupied; cells outside of the map are not.
+#[inline(always)]
+fn occupied(marks: &Map<u8>, column: i32, row: i32) -> bool {
+    usize::try_from(row)
+        .ok()
+        .and_then(|r| marks.get(r))
+        .is_some_and(|line| usize::try_from(column).ok().and_then(|c| line.get(c)).is_some_and(|mark| *mark != 0))
+}
+
+fn mark(marks: &mut Map<u8>, column: i32, row: i32, side: u8) {
+    if let Some(mark) = marks.get_mut(row as usize).and_then(|line| line.get_mut(column as usize)) {
+        *mark |= side;
+    }
+}
+
+/// Follows the outer border from its first cell in raster order, whose left neighbour is empty; marks which sides of
+/// the cells it passes. Returns its length in metres and its bounds, or `Err` when there is no room for the points.
+fn follow(
+    marks: &mut Map<u8>,
+    column: i32,
+    row: i32,
+    points: &mut Vec<ContourPoint, MAX_CONTOUR_POINTS>,
+) -> Result<(f32, Bounds), ContourPoint> {
+    let mut bounds = [column, row, column, row];
+    mark(marks, column, row, LEFT);
+    // Clockwise from the left neighbour: the cell from which the border comes back to its start.
+    let Some(last) = (0..8).map(|i| (WEST + 8 - i) % 8).find(|d| {
+        let (dx, dy) = STEPS[*d];
+        occupied(marks, column + dx, row + dy)
+    }) else {
+        mark(marks, column, row, RIGHT);
+        points.push(ContourPoint { column: column as u8, row: row as u8 })?;
+        return Ok((0.0, bounds));
+    };
+    let end = (column + STEPS[last].0, row + STEPS[last].1);
+    let (mut here, mut from) = ((column, row), last);
+    let (mut straight, mut diagonal) = (0u32, 0u32);
+    loop {
+        points.push(ContourPoint { column: here.0 as u8, row: here.1 as u8 })?;
+        bounds = [bounds[0].min(here.0), bounds[1].min(here.1), bounds[2].max(here.0), bounds[3].max(here.1)];
+        // Counter-clockwise from where the border came, to the next occupied cell. `from` itself is occupied, so the
+        // search ends there at the latest.
+        let mut direction = from;
+        for i in 1..=8 {
+            direction = (from + i) % 8;
+            let (dx, dy) = STEPS[direction];
+            if occupied(marks, here.0 + dx, here.1 + dy) {
+                break;
+            }
+            match direction {
+                EAST => mark(marks, here.0, here.1, RIGHT),
+                WEST => mark(marks, here.0, here.1, LEFT),
+                _ => {}
+            }
+        }
+        if direction % 2 == 0 {
+            straight += 1
+        } else {
+            diagonal += 1
+        }
+        let next = (here.0 + STEPS[direction].0, here.1 + STEPS[direction].1);
+        if next == (column, row) && here == end {
+            let cells = straight as f32 + core::f32::consts::SQRT_2 * diagonal as f32;
+            return Ok((cells * CELL, bounds));
+        }
+        (here, from) = (next, (direction + 4) % 8);
+    }
+}
+
+/// Labels what lies within a border: along a row, from each left side that it passes to the next right side.
+fn fill(marks: &Map<u8>, labels: &mut Map<u8>, label: u8, [left, top, right, bottom]: Bounds) -> u32 {
+    let mut cells = 0;
+    for row in top as usize..=bottom as usize {
+        let mut inside = false;
+        for column in left as usize..=right as usize {
+            let foreign = labels[row][column] != 0;
+            let sides = if foreign { 0 } else { marks[row][column] };
+            inside |= sides & LEFT != 0;
+            if inside && !foreign {
+                labels[row][column] = label;
+                cells += 1;
+            }
+            if sides & RIGHT != 0 {
+                inside = false;
+            }
+        }
+    }
+    cells
+}
+
+fn erase(labels: &mut Map<u8>, label: u8) {
+    labels.as_flattened_mut().iter_mut().filter(|l| **l == label).for_each(|l| *l = 0);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,87 @@
+//! The plane pi_o through an object, and the homography that shows it frontally (paper, section 4, Fig. 4).
+//!
+//! pi_o is the vertical plane through the object's centroid that faces the camera. Its points have coordinates
+//! (s, t): metres to the right of the centroid and metres above the floor. The plane pi_f stands in the same way
+//! straight ahead of the camera. The homography from pi_o to pi_f keeps (s, t): it turns the object in front of the
+//! camera and takes its distance away, so that a metre has the same size in every view.
+
+use crate::{FloorAxes, Intrinsics, math};
+
+/// A 3x3 matrix, row by row, that acts on homogeneous coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Homography(pub [[f32; 3]; 3]);
+
+impl Homography {
+    /// From the coordinates (s, t) of the vertical plane through the floor point `centroid` (right, forward in metres),
+    /// facing the camera, to pixels. `None` for a centroid below the camera.
+    pub fn plane_to_image(axes: &FloorAxes, intrinsics: &Intrinsics, centroid: [f32; 2]) -> Option<Self> {
+        let [x, y] = centroid;
+        let length = math::sqrt(x * x + y * y);
+        // Written so that NaN fails the test.
+        if !(length > 1e-3) {
+            return None;
+        }
+        let (sin, cos) = (x / length, y / length);
+        let foot = axes.to_camera([x, y, 0.0]);
+        let across: [f32; 3] = core::array::from_fn(|i| cos * axes.right[i] - sin * axes.forward[i]);
+        let columns = [across, axes.floor.normal, foot];
+        let row = |f: f32, c: f32, i: usize| columns.map(|p| f * p[i] + c * p[2]);
+        Some(Self([row(intrinsics.fx, intrinsics.cx, 0), row(intrinsics.fy, intrinsics.cy, 1), columns.map(|p| p[2])]))
+    }
+
+    /// The image of a point; `None` behind the camera or at infinity.
+    #[inline(always)]
+    pub fn apply(&self, x: f32, y: f32) -> Option<[f32; 2]> {
+        let [u, v, w] = self.0.map(|r| r[0] * x + r[1] * y + r[2]);
+        (w > 1e-9).then(|| [u / w, v / w])
+    }
+
+    /// The inverse map, scaled so that points seen by the camera keep a positive third coordinate; `None` where there
+    /// is none.
+    pub fn inverse(&self) -> Option<Self> {
+        let [[a, b, c], [d, e, f], [g, h, i]] = self.0;
+        let adjugate = [
+            [e * i - f * h, c * h - b * i, b * f - c * e],
+            [f * g - d * i, a * i - c * g, c * d - a * f],
+            [d * h - e * g, b * g - a * h, a * e - b * d],
+        ];
+        let determinant = a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0];
+        if !(determinant.abs() > 1e-9) {
+            return None;
+        }
+        Some(Self(adjugate.map(|row| row.map(|v| v / determinant))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Floor;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn plane_points_project_like_points_in_space(
+            pitch in 0.0f32..0.9, roll in -0.2f32..0.2, right in -1.5f32..1.5, forward in 1.0f32..4.0,
+            s in -0.8f32..0.8, t in 0.0f32..1.5,
+        ) {
+            let axes = Floor::from_pose(1.2, pitch, roll).unwrap().axes();
+            let camera = Intrinsics::KINECT_QVGA;
+            let h = Homography::plane_to_image(&axes, &camera, [right, forward]).unwrap();
+            let d = (right * right + forward * forward).sqrt();
+            let p = axes.to_camera([right + s * forward / d, forward - s * right / d, t]);
+            if let (Some(a), Some(b)) = (h.apply(s, t), camera.project(p)) && p[2] > 0.2 {
+                prop_assert!((a[0] - b[0]).abs() < 0.02 && (a[1] - b[1]).abs() < 0.02, "{a:?} {b:?}");
+                let back = h.inverse().unwrap().apply(a[0], a[1]).unwrap();
+                prop_assert!((back[0] - s).abs() < 1e-3 && (back[1] - t).abs() < 1e-3, "{back:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_below_the_camera_has_no_plane() {
+        let axes = Floor::from_pose(1.2, 0.3, 0.0).unwrap().axes();
+        assert_eq!(Homography::plane_to_image(&axes, &Intrinsics::KINECT_QVGA, [0.0, 0.0]), None);
+        assert_eq!(Homography::plane_to_image(&axes, &Intrinsics::KINECT_QVGA, [f32::NAN, 1.0]), None);
+    }
+}
