@@ -14,6 +14,9 @@ const MAX_LIST_BYTES: u64 = 256 << 20;
 /// Frames per second assumed where no list gives times.
 const FRAME_RATE: f64 = 30.0;
 
+/// Where most readings of a room lie, in mm: a Kinect measures from 0.4 m or 0.5 m on, and coarsely beyond 6 m.
+const USUAL_MM: std::ops::RangeInclusive<u16> = 400..=6000;
+
 /// How to understand a recording.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OpenOptions {
@@ -131,14 +134,20 @@ impl Recording {
         Ok(QvgaFrame { index, stamp, name, depth, colour, intrinsics, factor, original_size })
     }
 
-    /// Says once when most readings are beyond the sensor's range, which is what a wrong unit looks like.
+    /// Says once when most readings lie where the sensor hardly has any, which is what a wrong unit looks like.
     fn check_scale(&self, path: &Path, raw: &[u16], depth: &[u16]) {
-        let share = |values: &[u16]| values.iter().filter(|&&v| v != 0).count() as f64 / values.len().max(1) as f64;
-        if share(depth) < 0.5 * share(raw) && !self.warned_range.swap(true, Ordering::Relaxed) {
+        let share = |values: &[u16], reading: fn(&u16) -> bool| {
+            values.iter().filter(|v| reading(v)).count() as f64 / values.len().max(1) as f64
+        };
+        // 65535 is "no reading" for some recorders.
+        let (read, usual) = (share(raw, |&v| v != 0 && v != u16::MAX), share(depth, |v| USUAL_MM.contains(v)));
+        if usual < 0.5 * read && !self.warned_range.swap(true, Ordering::Relaxed) {
             tracing::warn!(
-                "{}: most depth readings are out of the sensor's range with depth scale {}; is it another one \
-                 (mm, tum, sun3d, or units per metre)?",
+                "{}: most depth readings are nearer than {} mm or farther than {} mm with depth scale {}; is it \
+                 another one (mm, tum, sun3d, or units per metre)?",
                 path.display(),
+                USUAL_MM.start(),
+                USUAL_MM.end(),
                 self.scale
             );
         }

@@ -4,7 +4,7 @@ use std::io::{self, BufRead, Cursor};
 use std::path::Path;
 
 use ply_rs_bw::parser::Parser;
-use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyType, ScalarType};
+use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyType, ScalarType};
 
 use super::{Parts, push_fan};
 use crate::Error;
@@ -80,15 +80,26 @@ impl PropertyAccess for Skipped {
 
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Parts, Error> {
     let content = |reason: String| Error::Content { path: path.to_owned(), reason };
-    let failed = |e: io::Error| {
-        // The parser's messages go on with an excerpt of the file.
+    // The parser counts a text file's lines from 1 in the header and from 0 in each element, and not a binary one's;
+    // its messages go on with an excerpt of the file.
+    let failed = |e: io::Error, lines_before: Option<usize>| {
         let text = e.to_string();
-        content(format!("not a PLY file, or a damaged one: {}", text.lines().next().unwrap_or_default()))
+        let reason = text.lines().next().unwrap_or_default();
+        let counted = reason.strip_prefix("Line ").and_then(|r| r.split_once(": "));
+        let (number, reason) = counted.map_or((None, reason), |(n, rest)| (n.parse::<usize>().ok(), rest));
+        let reason = format!("not a PLY file, or a damaged one: {reason}");
+        match number.zip(lines_before) {
+            Some((n, before)) => Error::Line { path: path.to_owned(), line: before + n, reason },
+            None => content(reason),
+        }
     };
     let mut reader = Cursor::new(bytes);
-    let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(failed)?;
+    let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(|e| failed(e, Some(0)))?;
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for (name, element) in &header.elements {
+        let at = usize::try_from(reader.position()).unwrap_or(usize::MAX).min(bytes.len());
+        let text = matches!(header.encoding, Encoding::Ascii);
+        let failed = |e| failed(e, text.then(|| bytes[..at].iter().filter(|&&b| b == b'\n').count() + 1));
         let left = reader.fill_buf().map_or(0, <[u8]>::len);
         // The header is not trusted: every element takes a byte at least, or the loop over nothing would not end.
         if element.count > left || (element.properties.is_empty() && element.count > 0) {
@@ -207,7 +218,9 @@ mod tests {
             ("vertex_indices", "corners", "vertex_indices"),
             ("3 0 1 3\n", "3 0 1 4\n", "uses vertex 4 of 4"),
             ("3 0 1 3\n", "3 0 1 -1\n", "uses vertex 4294967295"),
-            ("4 0 1 2 3", "4000000000 0 1 2 3", "m.ply"),
+            ("4 0 1 2 3", "4000000000 0 1 2 3", "m.ply, line 16"),
+            ("1 1 0.5 3", "1 1 half 3", "m.ply, line 14"),
+            ("double z", "double double z", "m.ply, line 7"),
             ("4 0 1 2 3\n3 0 1 3", "2 0 1\n0", "no triangle"),
             ("0 0 0.5 1", "0 0 1e999 1", "not finite"),
         ] {
