@@ -147,7 +147,7 @@ impl DepthRange {
     pub fn from_metres(self, depth: f32) -> u16 {
         let mm = depth * 1000.0;
         // Written so that NaN fails the test.
-        if mm >= 0.5 && mm <= 65_534.5 { self.apply(crate::math::round(mm) as u16) } else { 0 }
+        if (0.5..=65_534.5).contains(&mm) { self.apply(crate::math::round(mm) as u16) } else { 0 }
     }
 }
 

@@ -59,7 +59,7 @@ mod imp {
     }
 }
 
-#[cfg(all(target_arch = "arm", target_feature = "vfp2"))]
+#[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
 #[allow(unsafe_code, reason = "libm's square root is software on Cortex-M; the FPU has an instruction for it")]
 mod imp {
     #[inline(always)]
@@ -73,12 +73,12 @@ mod imp {
     }
 }
 
-#[cfg(not(any(target_arch = "x86_64", all(target_arch = "arm", target_feature = "vfp2"))))]
+#[cfg(not(any(target_arch = "x86_64", all(target_arch = "arm", target_abi = "eabihf"))))]
 mod imp {
     #[cfg(feature = "approx-math")]
     #[inline]
     pub(super) fn sqrt(x: f32) -> f32 {
-        use micromath::F32Ext as _;
+        use micromath::F32Ext;
         F32Ext::sqrt(x)
     }
 

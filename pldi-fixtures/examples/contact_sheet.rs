@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use image::RgbImage;
-use pldi_fixtures::{Capture, Class, HELD_OUT_SEEDS, Material, Sensor, Texture, ViewRing, furniture};
+use pldi_fixtures::{
+    Capture, Class, Drive, HELD_OUT_SEEDS, Material, Recording, RoomPlan, Sensor, Texture, ViewRing, furniture,
+};
 
 /// Side of one picture on the sheet, in pixels.
 const CELL: u32 = 160;
@@ -37,6 +39,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         sheet.save(folder.join(format!("{name}.png")))?;
     }
+    let plan = RoomPlan::generate(3, &Class::ALL, HELD_OUT_SEEDS..HELD_OUT_SEEDS + 100);
+    let drive = Recording::new(plan, Sensor::kinect_v1(), Drive::default(), 3);
+    captures(&Recording::demo(), &[0, 4, 8, 11]).save(folder.join("demo.png"))?;
+    captures(&drive, &[0, 14, 29, 44]).save(folder.join("drive.png"))?;
     Ok(())
 }
 
@@ -47,12 +53,25 @@ fn paste(sheet: &mut RgbImage, colours: &[u8], width: u32, [x, y]: [u32; 2]) {
     }
 }
 
-/// Depth as grey: near is bright, no reading black.
-#[allow(dead_code)]
+/// Some frames of a recording one above the other: colour to the left, depth to the right.
+fn captures(recording: &Recording, frames: &[usize]) -> RgbImage {
+    let mut sheet = RgbImage::new(1280, 480 * frames.len() as u32);
+    for (row, frame) in frames.iter().filter_map(|&i| recording.frame(i)).enumerate() {
+        paste(&mut sheet, &frame.capture.colour, 640, [0, 480 * row as u32]);
+        paste(&mut sheet, &depth_colours(&frame.capture), 640, [640, 480 * row as u32]);
+        for t in frame.truth {
+            let state = [if t.occluded { "occluded" } else { "" }, if t.cut_by_frame { "cut" } else { "" }];
+            println!("{:.1} s: {} {:.2} m, {} px {}", frame.stamp, t.class, t.distance, t.visible, state.join(" "));
+        }
+    }
+    sheet
+}
+
+/// Depth as grey: near is bright, no reading dark blue; a ripple of 0.1 m shows the relief.
 fn depth_colours(capture: &Capture) -> Vec<u8> {
-    capture
-        .depth
-        .iter()
-        .flat_map(|&d| [if d == 0 { 0 } else { (255 - (u32::from(d) / 24).min(225)) as u8 }; 3])
-        .collect()
+    let colour = |&d: &u16| match d {
+        0 => [0, 0, 70],
+        _ => [(255 - (u32::from(d) / 24).min(215)) as u8 - (d % 100 / 4) as u8; 3],
+    };
+    capture.depth.iter().flat_map(colour).collect()
 }

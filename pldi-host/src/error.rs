@@ -144,6 +144,20 @@ pub enum Error {
         /// Its width and height.
         size: (u32, u32),
     },
+    /// The core refused parameters, intrinsics or a frame.
+    #[error("{0}")]
+    Core(pldi_core::Error),
+    /// A template file was refused.
+    #[error("{}: {cause}", path.display())]
+    Templates {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        cause: pldi_core::TemplateError,
+    },
+    /// The user or a signal ended the work.
+    #[error("interrupted")]
+    Interrupted,
     /// There is no frame of that number.
     #[error("frame {index} was asked for, but the recording has {len} (the first is 0)")]
     FrameIndex {
@@ -155,6 +169,11 @@ pub enum Error {
 }
 
 impl Error {
+    /// An error of the core.
+    pub fn core(cause: pldi_core::Error) -> Self {
+        Self::Core(cause)
+    }
+
     /// Whether the call was wrong (exit code 2) rather than the data (exit code 1).
     pub fn is_usage(&self) -> bool {
         match self {

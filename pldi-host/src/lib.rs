@@ -6,5 +6,8 @@ pub mod error;
 pub mod input;
 pub mod mesh;
 pub mod output;
+pub mod parallel;
+pub mod stages;
+pub mod templates;
 
 pub use error::Error;

@@ -170,9 +170,9 @@ fn follow(
             }
         }
         if direction % 2 == 0 {
-            straight += 1
+            straight += 1;
         } else {
-            diagonal += 1
+            diagonal += 1;
         }
         let next = (here.0 + STEPS[direction].0, here.1 + STEPS[direction].1);
         if next == (column, row) && here == end {

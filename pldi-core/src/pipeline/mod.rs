@@ -158,21 +158,20 @@ impl<const W: usize, const H: usize> Pipeline<W, H> {
         Some(descriptor::describe(&workspace.view, self.params.view.descriptor, &mut workspace.coefficients))
     }
 
-    /// The descriptor of pixels that are known to be one object: those where `mask` holds and the frame has depth.
+    /// The descriptor of pixels that are known to be one object: those of `workspace.depth` where `mask` holds.
     ///
     /// For templates and benchmarks: no ground map, no tests. The report gets the object as its only cluster.
-    /// `None` where the mask is empty or the floor is not found.
+    /// `None` where no such pixel has depth.
     pub fn describe_mask(
         &self,
-        frame: &Frame<'_, W, H>,
+        floor: &Floor,
         mask: impl Fn(usize, usize) -> bool,
         workspace: &mut Workspace<W, H>,
     ) -> Option<Descriptor> {
-        workspace.report.clear();
-        self.reconstruct(frame, workspace);
-        let floor = self.find_floor(workspace)?;
         let Workspace { depth, labels, report, map_labels, .. } = workspace;
-        // The "map" has one cell, with the object in it.
+        report.clear();
+        report.floor = Some(*floor);
+        // A ground map of one cell, with the object in it.
         map_labels.as_flattened_mut().fill(0);
         map_labels[0][0] = 1;
         for (v, (line, depths)) in labels.iter_mut().zip(depth.iter()).enumerate() {
@@ -183,7 +182,7 @@ impl<const W: usize, const H: usize> Pipeline<W, H> {
         report.clusters.push(Cluster::EMPTY).ok()?;
         candidates::gather(labels, map_labels, depth, &self.rays, &floor.axes(), &mut report.clusters);
         self.diffuse_candidates(workspace);
-        self.describe(0, &floor, workspace)
+        self.describe(0, floor, workspace)
     }
 }
 

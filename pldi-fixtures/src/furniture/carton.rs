@@ -41,7 +41,7 @@ pub(super) fn build(rng: &mut Rng) -> Mesh {
         let mark = mesh.vertices.len();
         mesh.add_box([-0.5 * wall, -0.5 * length, 0.0], [0.5 * wall, 0.5 * length, flap], card);
         let open = Transform::rotate_y(rng.range(0.15, 2.6));
-        let place = open.then(Transform::translate([reach, 0.0, z]));
+        let place = open.then(Transform::translate([reach + 0.5 * wall, 0.0, z + 0.5 * wall]));
         mesh.transform_since(mark, &place.then(Transform::rotate_z(side as f32 * core::f32::consts::FRAC_PI_2)));
     }
     if rng.chance(0.4) {

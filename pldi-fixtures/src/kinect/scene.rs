@@ -116,9 +116,9 @@ pub struct Light {
 }
 
 impl Default for Light {
-    /// A lamp high up to the side, no sun.
+    /// A bright room, a lamp high up to the side, no sun.
     fn default() -> Self {
-        Self { direction: [0.36, 0.48, 0.8], ambient: 0.5, diffuse: 0.5, sun: None }
+        Self { direction: [-0.36, 0.48, 0.8], ambient: 0.65, diffuse: 0.4, sun: None }
     }
 }
 

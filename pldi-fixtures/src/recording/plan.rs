@@ -113,14 +113,21 @@ impl RoomPlan {
             Some(Material::new([196, 206, 208], Texture::Noise)),
             Some(Material::new([214, 208, 190], Texture::Noise)),
         ];
-        let place = |class, object, x, y, yaw| PlacedObject::new(class, HELD_OUT_SEEDS + object, Pose { x, y, yaw });
+        // Polar about the robot's start, so that the free angles between the objects are plain to see: bearing in
+        // degrees, distance in metres, turn away from facing the robot in rad.
+        let place = |class, object, bearing: f32, distance: f32, turn: f32| {
+            let angle = bearing * PI / 180.0;
+            let (s, c) = libm::sincosf(angle);
+            let pose = Pose { x: distance * c, y: distance * s, yaw: wrap(angle + PI + turn) };
+            PlacedObject::new(class, HELD_OUT_SEEDS + object, pose)
+        };
         let objects = vec![
-            place(Class::Chair, 3, 2.15, 0.05, PI + 0.6),
-            place(Class::Box, 1, 1.75, 0.95, 0.5),
-            place(Class::Bin, 2, 1.95, -0.75, 0.3),
-            place(Class::Plant, 4, 2.55, 0.78, 0.0),
-            place(Class::Stool, 0, 1.65, 1.95, 0.2),
-            place(Class::Armchair, 2, 2.2, -1.75, PI - 0.7),
+            place(Class::Armchair, 2, 50.0, 2.5, 0.5),
+            place(Class::Box, 1, 28.0, 2.3, 0.6),
+            place(Class::Chair, 3, 7.0, 2.4, -0.6),
+            place(Class::Bin, 2, -9.0, 2.1, 0.0),
+            place(Class::Stool, 0, -26.0, 2.3, 0.3),
+            place(Class::Plant, 4, -48.0, 2.6, 0.0),
         ];
         Self { room, light: Light::default(), objects }
     }
@@ -200,7 +207,7 @@ fn light(rng: &mut Rng) -> Light {
         let ((sa, ca), (se, ce)) = (libm::sincosf(azimuth), libm::sincosf(elevation));
         [ca * ce, sa * ce, se]
     };
-    let ambient = rng.range(0.4, 0.6);
+    let ambient = rng.range(0.45, 0.7);
     let direction = toward(rng.range(0.0, TAU), rng.range(0.7, 1.3));
     let sun = rng.chance(0.33).then(|| {
         let (s, c) = libm::sincosf(rng.range(0.0, TAU));
@@ -211,7 +218,7 @@ fn light(rng: &mut Rng) -> Light {
             yaw: rng.range(0.0, PI),
         }
     });
-    Light { direction, ambient, diffuse: 1.0 - ambient, sun }
+    Light { direction, ambient, diffuse: 1.05 - ambient, sun }
 }
 
 /// The angle brought into -pi..=pi.

@@ -14,6 +14,7 @@ use pldi_core::Intrinsics;
 pub use camera_info::read_camera_info;
 pub use intrinsics::{IntrinsicsSpec, parse_intrinsics};
 pub use recording::{OpenOptions, Recording};
+pub use reduce::reduce;
 pub use scale::DepthScale;
 
 use crate::Error;

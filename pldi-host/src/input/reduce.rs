@@ -50,6 +50,11 @@ pub(super) fn colour(rgb: Vec<u8>, k: u16) -> Vec<u8> {
     out
 }
 
+/// A frame of depth in mm and colour, `k` times as large as QVGA, reduced to it.
+pub fn reduce(depth_mm: &[u16], rgb: Vec<u8>, k: u16) -> (Vec<u16>, Vec<u8>) {
+    (depth(depth_mm, k, DepthScale::Millimetres), colour(rgb, k))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

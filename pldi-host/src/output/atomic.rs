@@ -24,6 +24,17 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     write_with(path, |out| out.write_all(bytes))
 }
 
+/// Writes a JSON file, indented, with a line feed at its end.
+///
+/// # Errors
+/// `Write` with the file's name.
+pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), Error> {
+    write_with(path, |out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        out.write_all(b"\n")
+    })
+}
+
 fn write_inner(path: &Path, content: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> io::Result<()> {
     let fill = |file: &mut File| {
         let mut out = BufWriter::new(file);

@@ -1,2 +1,75 @@
-//! The command.
-fn main() {}
+//! The command `pldi`: recognises furniture in RGB-D recordings.
+//!
+//! Results go to stdout, messages and progress to stderr. Exit codes: 0 done, 1 failed on the data, 2 wrong usage.
+
+mod args;
+mod describe;
+mod progress;
+mod stages;
+mod templates;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// Recognise furniture-sized objects in RGB-D recordings by projective light diffusion.
+#[derive(Debug, Parser)]
+#[command(name = "pldi", version, propagate_version = true)]
+struct Cli {
+    /// Say more on stderr (twice: even more)
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    /// Write every stage of one frame as files
+    Stages(stages::Stages),
+    /// Print the 58 numbers of a 128x128 16-bit image as JSON
+    Describe(describe::Describe),
+    /// Print the Canberra distance of two descriptors
+    Match(describe::Match),
+    /// Make template sets from meshes, show them, try them
+    #[command(subcommand)]
+    Templates(templates::Templates),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let level = match cli.verbose {
+        0 => tracing::Level::WARN,
+        1 => tracing::Level::INFO,
+        _ => tracing::Level::DEBUG,
+    };
+    tracing_subscriber::fmt()
+        .with_max_level(level)
+        .with_writer(std::io::stderr)
+        .without_time()
+        .with_target(false)
+        .init();
+    progress::watch_interrupts();
+    let result = match cli.command {
+        Command::Stages(command) => command.run(),
+        Command::Describe(command) => command.run(),
+        Command::Match(command) => command.run(),
+        Command::Templates(command) => command.run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => fail(&error),
+    }
+}
+
+/// Says what went wrong, in one line, and with which code to leave.
+fn fail(error: &anyhow::Error) -> ExitCode {
+    let broken_pipe = |e: &std::io::Error| e.kind() == std::io::ErrorKind::BrokenPipe;
+    if error.chain().filter_map(|cause| cause.downcast_ref()).any(broken_pipe) {
+        // Whoever read our output has seen enough.
+        return ExitCode::SUCCESS;
+    }
+    eprintln!("pldi: {error:#}");
+    let code = error.downcast_ref::<pldi_host::Error>().map_or(1, pldi_host::Error::exit_code);
+    ExitCode::from(code)
+}

@@ -1,0 +1,178 @@
+//! Options that several commands share.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use pldi_core::descriptor::DescriptorKind;
+use pldi_core::floor::FloorMode;
+use pldi_core::reconstruct::{FilterKind, FilterParams};
+use pldi_core::view::{Framing, ViewParams};
+use pldi_core::{Floor, Params};
+use pldi_host::Error;
+use pldi_host::input::{DepthScale, IntrinsicsSpec, OpenOptions, Recording, parse_intrinsics};
+
+/// Where the frames come from.
+#[derive(Debug, Args)]
+pub struct Input {
+    /// A recording's folder (associations.txt, or rgb.txt and depth.txt, or depth.txt alone, or the folders rgb/ and
+    /// depth/), or a single depth image
+    input: PathBuf,
+    /// The colour image that belongs to a single depth image
+    #[arg(long, value_name = "FILE")]
+    colour: Option<PathBuf>,
+    /// Unit of the depth images: mm, tum (1/5000 m), sun3d, or units per metre
+    #[arg(long, value_name = "SCALE", default_value = "mm")]
+    depth_scale: DepthScale,
+    /// Intrinsics in pixels, in place of camera_info.yaml: fx,fy,cx,cy, with @WxH where they are for another size
+    #[arg(long, value_name = "FX,FY,CX,CY[@WxH]", value_parser = intrinsics)]
+    intrinsics: Option<IntrinsicsSpec>,
+    /// Calibration file in place of the folder's camera_info.yaml
+    #[arg(long, value_name = "FILE")]
+    camera_info: Option<PathBuf>,
+}
+
+fn intrinsics(text: &str) -> Result<IntrinsicsSpec, Error> {
+    parse_intrinsics(text)
+}
+
+impl Input {
+    /// Opens the recording.
+    pub fn open(&self) -> Result<Recording, Error> {
+        let options = OpenOptions {
+            depth_scale: self.depth_scale,
+            intrinsics: self.intrinsics,
+            camera_info: self.camera_info.clone(),
+        };
+        if self.input.is_file() {
+            return Recording::open_pair(self.colour.as_deref(), &self.input, &options);
+        }
+        if self.colour.is_some() {
+            return Err(Error::Usage("--colour goes with a single depth image, not with a folder".to_owned()));
+        }
+        Recording::open(&self.input, &options)
+    }
+}
+
+/// Which square of the frontal plane is the view.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum FramingArg {
+    /// A square of 2 m standing on the floor: size counts
+    Metric,
+    /// Fitted to the object: size does not count
+    Fit,
+}
+
+/// Which statistics describe a view.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum DescriptorArg {
+    /// Mean, standard deviation and skewness of each sub-band
+    Paper,
+    /// Means of the upper and lower half and standard deviation of each sub-band
+    Halves,
+}
+
+impl From<DescriptorArg> for DescriptorKind {
+    fn from(arg: DescriptorArg) -> Self {
+        match arg {
+            DescriptorArg::Paper => Self::Paper,
+            DescriptorArg::Halves => Self::Halves,
+        }
+    }
+}
+
+/// What a descriptor depends on.
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    /// Which square of the frontal plane is the view [default: the templates']
+    #[arg(long, value_enum)]
+    framing: Option<FramingArg>,
+    /// Which statistics describe the view [default: the templates']
+    #[arg(long, value_enum)]
+    descriptor: Option<DescriptorArg>,
+}
+
+impl ViewArgs {
+    /// The view parameters: what was asked for, else those of `default`.
+    pub fn params(&self, default: ViewParams) -> ViewParams {
+        let framing = match self.framing {
+            None => default.framing,
+            Some(FramingArg::Fit) => Framing::Fit,
+            Some(FramingArg::Metric) => Framing::Metric { side: ViewParams::METRIC_SIDE },
+        };
+        ViewParams { framing, descriptor: self.descriptor.map_or(default.descriptor, Into::into), ..default }
+    }
+}
+
+/// The depth's reconstruction.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum FilterArg {
+    /// Guided by colour and depth
+    Joint,
+    /// Guided by depth alone
+    Bilateral,
+    /// The measured depth as it is
+    None,
+}
+
+/// How frames are processed.
+#[derive(Debug, Args)]
+pub struct Processing {
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// auto: found in each frame; or the camera's pose: height in m, pitch in degrees (looking down), roll in degrees
+    #[arg(long, value_name = "auto|HEIGHT,PITCH[,ROLL]", default_value = "auto", value_parser = floor, allow_hyphen_values = true)]
+    floor: FloorMode,
+    /// How the depth is reconstructed
+    #[arg(long, value_enum, default_value = "joint")]
+    filter: FilterArg,
+}
+
+/// Parses `--floor`.
+fn floor(text: &str) -> Result<FloorMode, String> {
+    if text == "auto" {
+        return Ok(FloorMode::default());
+    }
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|s| s.trim().parse::<f32>()).collect();
+    let (height, pitch, roll) = match numbers.as_deref() {
+        Ok([height, pitch]) => (*height, *pitch, 0.0),
+        Ok([height, pitch, roll]) => (*height, *pitch, *roll),
+        _ => {
+            return Err(
+                "give auto, or the camera's HEIGHT in m, PITCH and ROLL in degrees: 1.2,20 or 1.2,20,0".to_owned()
+            );
+        }
+    };
+    Floor::from_pose(height, pitch.to_radians(), roll.to_radians()).map(FloorMode::Fixed).map_err(|e| e.to_string())
+}
+
+impl Processing {
+    /// All parameters, with the templates' view parameters where none were asked for.
+    pub fn params(&self, templates: ViewParams) -> Params {
+        let kind = match self.filter {
+            FilterArg::Joint => FilterKind::Joint,
+            FilterArg::Bilateral => FilterKind::Bilateral,
+            FilterArg::None => FilterKind::None,
+        };
+        Params {
+            view: self.view.params(templates),
+            floor: self.floor,
+            filter: FilterParams { kind, ..FilterParams::DEFAULT },
+            ..Params::DEFAULT
+        }
+    }
+}
+
+/// Number of threads.
+#[derive(Debug, Args)]
+pub struct Threads {
+    /// Threads to use; the output is the same for any number [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    threads: Option<u16>,
+}
+
+impl Threads {
+    /// The number asked for, or one per core.
+    pub fn count(&self) -> usize {
+        self.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
+    }
+}

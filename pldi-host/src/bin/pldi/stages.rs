@@ -1,0 +1,38 @@
+//! `pldi stages`: one frame, stage by stage.
+
+use std::path::PathBuf;
+
+use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
+use pldi_core::view::ViewParams;
+use pldi_host::input::FrameSource;
+use pldi_host::{Error, stages};
+
+use crate::args::{Input, Processing};
+
+/// Options of `pldi stages`.
+#[derive(Debug, clap::Args)]
+pub struct Stages {
+    #[command(flatten)]
+    input: Input,
+    #[command(flatten)]
+    processing: Processing,
+    /// Number of the frame, from 0
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    frame: usize,
+    /// Folder for the files; made where it is missing
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+impl Stages {
+    /// Runs the command.
+    pub fn run(&self) -> anyhow::Result<()> {
+        let frame = self.input.open()?.frame(self.frame)?;
+        let params = self.processing.params(ViewParams::DEFAULT);
+        let pipeline = QvgaPipeline::new(&params, &frame.intrinsics).map_err(Error::core)?;
+        std::fs::create_dir_all(&self.out).map_err(|cause| Error::Write { path: self.out.clone(), cause })?;
+        let mut workspace = Box::new(QvgaWorkspace::new());
+        stages::write(&pipeline, &frame.as_frame().map_err(Error::core)?, &mut workspace, &self.out)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,122 @@
+//! Every stage of one frame as files: to look at, and to compare with other implementations.
+
+use std::path::Path;
+
+use pldi_core::descriptor::{DescriptorKind, from_coefficients};
+use pldi_core::ground::{CELL, MAP_DEPTH, MAP_WIDTH};
+use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
+use pldi_core::wavelet::SIZE;
+use pldi_core::{Floor, Frame};
+use serde_json::{Value, json};
+
+use crate::Error;
+use crate::output::{atomic, png};
+
+/// Size of the core's frames.
+const QVGA: (u32, u32) = (320, 240);
+
+/// Writes into `folder` (which must exist):
+///
+/// - `filtered.png`: the reconstructed depth, 16 bit, 1/8 mm (larger depths saturate), 0 = none;
+/// - `n.png`: N of the whole image, 16 bit, 65535 = 1;
+/// - `map.png`: the density on the floor, 8 bit, far rows first, white from four times the threshold on;
+/// - `clusters.png`: the cluster of every pixel, 8 bit, from 1, 0 = none, rejected ones included;
+/// - `candidates.json`: the floor, and each cluster's box, contour and reason;
+/// - for the candidate of cluster I: `view_I.png` (16 bit), `dwt_I.f32` (16384 little-endian coefficients) and
+///   `descriptor_I.json` (both descriptors of the view).
+///
+/// Without a floor there are only `filtered.png`, `n.png` and `candidates.json`.
+///
+/// # Errors
+/// `Write`, and what the core says.
+pub fn write(
+    pipeline: &QvgaPipeline,
+    frame: &Frame<'_, 320, 240>,
+    workspace: &mut QvgaWorkspace,
+    folder: &Path,
+) -> Result<(), Error> {
+    workspace.report.clear();
+    pipeline.reconstruct(frame, workspace);
+    png::write_grey16(&folder.join("filtered.png"), QVGA, &eighths(workspace))?;
+    let floor = pipeline.find_floor(workspace);
+    if let Some(floor) = &floor {
+        pipeline.find_candidates(floor, workspace).map_err(Error::core)?;
+        write_map(pipeline, workspace, folder)?;
+        for i in 0..workspace.report.clusters.len() {
+            if workspace.report.clusters[i].rejection.is_none() {
+                pipeline.diffuse_candidates(workspace);
+                write_candidate(pipeline, i, floor, workspace, folder)?;
+            }
+        }
+    }
+    atomic::write_json(&folder.join("candidates.json"), &candidates(workspace))?;
+    pipeline.diffuse_all(workspace);
+    png::write_grey16(&folder.join("n.png"), QVGA, workspace.n.as_flattened())
+}
+
+/// The reconstructed depth in 1/8 mm, rounded to nearest, saturated.
+fn eighths(workspace: &QvgaWorkspace) -> Vec<u16> {
+    workspace.depth.as_flattened().iter().map(|z| (z * 8000.0 + 0.5) as u16).collect()
+}
+
+fn write_map(pipeline: &QvgaPipeline, workspace: &QvgaWorkspace, folder: &Path) -> Result<(), Error> {
+    let white = 4.0 * pipeline.params().density.threshold.max(1e-6);
+    let map: Vec<u8> = workspace.density.iter().rev().flatten().map(|d| (d / white * 255.0).min(255.0) as u8).collect();
+    png::write_grey8(&folder.join("map.png"), (MAP_WIDTH as u32, MAP_DEPTH as u32), &map)?;
+    // At most MAX_CLUSTERS = 192.
+    let clusters: Vec<u8> = workspace.labels.as_flattened().iter().map(|l| *l as u8).collect();
+    png::write_grey8(&folder.join("clusters.png"), QVGA, &clusters)
+}
+
+fn write_candidate(
+    pipeline: &QvgaPipeline,
+    cluster: usize,
+    floor: &Floor,
+    workspace: &mut QvgaWorkspace,
+    folder: &Path,
+) -> Result<(), Error> {
+    if pipeline.describe(cluster, floor, workspace).is_none() {
+        return Ok(());
+    }
+    let file = |name: &str, ending: &str| folder.join(format!("{name}_{}.{ending}", cluster + 1));
+    png::write_grey16(&file("view", "png"), (SIZE as u32, SIZE as u32), workspace.view.as_flattened())?;
+    let bytes: Vec<u8> = workspace.coefficients.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
+    atomic::write_bytes(&file("dwt", "f32"), &bytes)?;
+    let numbers = |kind| from_coefficients(&workspace.coefficients, kind).to_vec();
+    let descriptors = json!({
+        "paper": numbers(DescriptorKind::Paper),
+        "halves": numbers(DescriptorKind::Halves),
+    });
+    atomic::write_json(&file("descriptor", "json"), &descriptors)
+}
+
+/// The floor and the clusters.
+fn candidates(workspace: &QvgaWorkspace) -> Value {
+    let report = &workspace.report;
+    let clusters: Vec<Value> = report
+        .clusters
+        .iter()
+        .zip(&report.contours)
+        .enumerate()
+        .map(|(i, (cluster, contour))| {
+            let points = contour.of(&report.points).iter();
+            json!({
+                "cluster": i + 1,
+                "candidate": cluster.rejection.is_none(),
+                "reason": cluster.rejection.map(pldi_core::ground::Rejection::name),
+                "pixels": cluster.pixels,
+                "bbox": cluster.bbox,
+                "center": cluster.center,
+                "size": cluster.size,
+                "area": contour.area(),
+                "length": contour.length,
+                "contour": points.map(|p| [p.column, p.row]).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    json!({
+        "floor": report.floor.map(|f| json!({ "normal": f.normal, "height": f.height })),
+        "map": { "columns": MAP_WIDTH, "rows": MAP_DEPTH, "cell": CELL },
+        "clusters": clusters,
+    })
+}

@@ -1,0 +1,99 @@
+//! A template set in memory, and its file.
+
+use std::path::Path;
+
+use pldi_core::templates::layout::{self, Class, Header, Object, Record, padded};
+use pldi_core::templates::{MAGIC, VERSION};
+use pldi_core::view::ViewParams;
+use zerocopy::IntoBytes;
+
+use crate::Error;
+use crate::output::atomic;
+use pldi_core::descriptor::Descriptor;
+
+/// One view of an object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// Index of the object.
+    pub object: u16,
+    /// Number of the view on its ring, from 0 on the +x axis counter-clockwise.
+    pub view: u16,
+    /// Its numbers.
+    pub descriptor: Descriptor,
+}
+
+/// A template set as it is put together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TemplateSet {
+    /// What the descriptors were made with.
+    pub view: ViewParams,
+    /// Horizontal distance of the camera in metres.
+    pub distance: f32,
+    /// Height of the camera above the floor in metres.
+    pub height: f32,
+    /// Whether the views went through the sensor's simulation.
+    pub simulated: bool,
+    /// Names of the classes.
+    pub classes: Vec<String>,
+    /// Class index and name of each object.
+    pub objects: Vec<(u16, String)>,
+    /// The views.
+    pub views: Vec<View>,
+}
+
+impl TemplateSet {
+    /// The bytes of the file.
+    ///
+    /// # Errors
+    /// `Usage` where there are more classes, objects or views than the format holds.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
+        let too_many = |what: &str, n: usize| Error::Usage(format!("{n} {what} are more than a template file holds"));
+        if self.classes.len() > pldi_core::matching::MAX_CLASSES {
+            return Err(too_many("classes", self.classes.len()));
+        }
+        let objects = u16::try_from(self.objects.len()).map_err(|_| too_many("objects", self.objects.len()))?;
+        let templates = u32::try_from(self.views.len()).map_err(|_| too_many("views", self.views.len()))?;
+        let (framing, side) = self.view.framing_fields();
+        let header = Header {
+            magic: MAGIC,
+            version: VERSION.into(),
+            reserved: 0.into(),
+            parameters: self.view.hash().into(),
+            checksum: 0.into(),
+            classes: (self.classes.len() as u16).into(),
+            objects: objects.into(),
+            templates: templates.into(),
+            descriptor: self.view.descriptor as u8,
+            framing,
+            reserved2: 0.into(),
+            side: side.into(),
+            radius: self.view.radius.into(),
+            distance: self.distance.into(),
+            height: self.height.into(),
+            simulated: u8::from(self.simulated),
+            reserved3: [0; 3],
+        };
+        let mut bytes = header.as_bytes().to_vec();
+        for name in &self.classes {
+            bytes.extend_from_slice(Class { name: padded(name) }.as_bytes());
+        }
+        for (class, name) in &self.objects {
+            bytes.extend_from_slice(Object { class: (*class).into(), name: padded(name) }.as_bytes());
+        }
+        for v in &self.views {
+            let record = Record { object: v.object.into(), view: v.view.into(), values: v.descriptor.map(Into::into) };
+            bytes.extend_from_slice(record.as_bytes());
+        }
+        let checksum = layout::checksum(&bytes).to_le_bytes();
+        bytes[12..16].copy_from_slice(&checksum);
+        Ok(bytes)
+    }
+
+    /// Writes the file, whole or not at all.
+    ///
+    /// # Errors
+    /// What [`TemplateSet::to_bytes`] says; `Write` where the system refuses.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        atomic::write_bytes(path, &self.to_bytes()?)
+    }
+}
