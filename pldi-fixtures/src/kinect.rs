@@ -17,3 +17,6 @@ pub use model::KinectModel;
 pub use ring::{Pitch, ViewRing, Views};
 pub use scene::{Instance, Light, Pose, Room, Scene, Sun};
 pub use sensor::{Capture, Rendering, Sensor};
+
+#[cfg(test)]
+mod tests;

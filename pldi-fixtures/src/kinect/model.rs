@@ -32,7 +32,7 @@ pub struct KinectModel {
     /// Returned light, as reflectance x cosine / z^2 in 1/m^2, between which readings fade from none to all; default
     /// 0.0009 and 0.0035.
     pub signal: [f32; 2],
-    /// How many times more light it takes in the sun; default 40.
+    /// How many times more light it takes in the sun; default 150.
     pub sun_loss: f32,
 }
 
@@ -47,7 +47,7 @@ impl Default for KinectModel {
             lateral: [0.8, 0.035],
             grazing: [75.0 * degree, 86.0 * degree],
             signal: [0.0009, 0.0035],
-            sun_loss: 40.0,
+            sun_loss: 150.0,
         }
     }
 }

@@ -79,27 +79,41 @@ impl RoomPlan {
         }
         let wanted = 3 + rng.below(4);
         let start = rng.range(0.0, TAU);
-        let span = (seeds.end - seeds.start) as usize;
-        // One sector of the room for each object, so that none hides behind another when seen from the middle.
+        // How much of the way around the room is furnished: less means more objects in one view.
+        let arc = TAU * rng.range(0.55, 0.95);
+        let count = (seeds.end - seeds.start) as usize;
+        // A sector of the room for each object, so that few hide behind others when seen from the middle.
         for i in 0..wanted {
-            for _ in 0..60 {
-                let class = rng.pick(classes);
-                let object = seeds.start + rng.below(span) as u64;
-                let angle = start + (i as f32 + rng.range(-0.2, 0.2)) * TAU / wanted as f32;
-                let (s, c) = libm::sincosf(angle);
-                let radius = rng.range(1.3, 2.5);
-                let yaw = match class {
-                    Class::Bin | Class::Plant | Class::Box | Class::Stool => rng.range(0.0, TAU),
-                    _ => angle + PI + rng.range(-0.7, 0.7),
-                };
-                let placed = PlacedObject::new(class, object, Pose { x: radius * c, y: radius * s, yaw });
-                if plan.fits(&placed) {
-                    plan.objects.push(placed);
+            // A class that finds no place in several attempts gives way to another.
+            for _ in 0..4 {
+                let (class, object) = (rng.pick(classes), seeds.start + rng.below(count) as u64);
+                let angle = start + i as f32 * arc / wanted as f32;
+                if plan.place(&mut rng, class, object, angle) {
                     break;
                 }
             }
         }
         plan
+    }
+
+    /// Places an object about the direction `angle` from the middle; whether room was found.
+    fn place(&mut self, rng: &mut Rng, class: Class, object: u64, angle: f32) -> bool {
+        let mut placed = PlacedObject::new(class, object, Pose::default());
+        for _ in 0..30 {
+            let angle = angle + rng.range(-0.2, 0.2);
+            let radius = rng.range(1.3, 2.6);
+            let (s, c) = libm::sincosf(angle);
+            let yaw = match class {
+                Class::Bin | Class::Plant | Class::Box | Class::Stool => rng.range(0.0, TAU),
+                _ => angle + PI + rng.range(-0.7, 0.7),
+            };
+            placed.pose = Pose { x: radius * c, y: radius * s, yaw: wrap(yaw) };
+            if self.fits(&placed) {
+                self.objects.push(placed);
+                return true;
+            }
+        }
+        false
     }
 
     /// The room of [`super::Recording::demo`].
