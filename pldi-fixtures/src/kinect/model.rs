@@ -156,7 +156,7 @@ impl KinectModel {
         if shader.sunlit(&look) {
             signal /= self.sun_loss;
         }
-        let seen = (1.0 - grazing) * fade(signal, self.signal) * (1.0 - 0.7 * look.gloss);
+        let seen = (1.0 - grazing) * fade(signal, self.signal) * (1.0 - 0.5 * look.gloss);
         1.0 - seen
     }
 }

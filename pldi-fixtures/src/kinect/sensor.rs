@@ -118,26 +118,47 @@ impl Sensor {
     #[must_use]
     pub fn pixels_alone(&self, instance: &Instance, camera: &CameraPose) -> [usize; 2] {
         let k = Pinhole::from(self.intrinsics);
+        let size = [k.width as f64, k.height as f64];
+        let [[left, right], [top, bottom]] = self.reach(instance, camera);
+        let column = left.clamp(-2.0 * size[0], 2.0 * size[0]).floor();
+        let row = top.clamp(-2.0 * size[1], 2.0 * size[1]).floor();
         let wide = Pinhole {
-            width: 5 * k.width,
-            height: 5 * k.height,
-            cx: k.cx + 2.0 * k.width as f64,
-            cy: k.cy + 2.0 * k.height as f64,
+            width: (right.clamp(column, 3.0 * size[0]) - column) as usize + 2,
+            height: (bottom.clamp(row, 3.0 * size[1]) - row) as usize + 2,
+            cx: k.cx - column,
+            cy: k.cy - row,
             ..k
         };
         let mut raster = Raster::new(wide);
         raster.draw(&instance.mesh, &instance.pose.transform(), camera, 0.0, 1);
         let mut counts = [0; 2];
-        for (v, row) in raster.facet.chunks_exact(wide.width).enumerate() {
-            let inside = (2 * k.height..3 * k.height).contains(&v);
-            for (u, &facet) in row.iter().enumerate() {
+        for (v, line) in raster.facet.chunks_exact(wide.width).enumerate() {
+            let inside = (0.0..size[1]).contains(&(v as f64 + row));
+            for (u, &facet) in line.iter().enumerate() {
                 if facet != NOTHING {
                     counts[1] += 1;
-                    counts[0] += usize::from(inside && (2 * k.width..3 * k.width).contains(&u));
+                    counts[0] += usize::from(inside && (0.0..size[0]).contains(&(u as f64 + column)));
                 }
             }
         }
         counts
+    }
+
+    /// The columns and rows between which an instance is seen, in pixels, without regard to the image's borders; endless
+    /// where a part of it lies beside or behind the camera.
+    fn reach(&self, instance: &Instance, camera: &CameraPose) -> [[f64; 2]; 2] {
+        let place = instance.pose.transform();
+        let mut reach = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for &vertex in &instance.mesh.vertices {
+            let p = camera.to_camera(place.apply(vertex));
+            let Some(pixel) = self.intrinsics.project(p).filter(|_| p[2] > 0.1) else {
+                return [[f64::NEG_INFINITY, f64::INFINITY]; 2];
+            };
+            for (range, c) in reach.iter_mut().zip(pixel) {
+                *range = [range[0].min(f64::from(c) - 1.0), range[1].max(f64::from(c) + 1.0)];
+            }
+        }
+        reach
     }
 
     /// Exact depth in mm.

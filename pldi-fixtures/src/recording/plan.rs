@@ -136,12 +136,12 @@ impl RoomPlan {
             PlacedObject::new(class, HELD_OUT_SEEDS + object, pose)
         };
         let objects = vec![
-            place(Class::Armchair, 2, 50.0, 2.5, 0.5),
-            place(Class::Box, 1, 28.0, 2.3, 0.6),
-            place(Class::Chair, 3, 7.0, 2.4, -0.6),
-            place(Class::Bin, 2, -9.0, 2.1, 0.0),
-            place(Class::Stool, 0, -26.0, 2.3, 0.3),
-            place(Class::Plant, 4, -48.0, 2.6, 0.0),
+            place(Class::Armchair, 2, 66.0, 2.4, 0.5),
+            place(Class::Box, 0, 36.0, 2.3, 0.2),
+            place(Class::Chair, 3, 9.0, 2.4, -0.6),
+            place(Class::Bin, 2, -12.0, 2.1, 0.0),
+            place(Class::Stool, 0, -31.0, 2.3, 0.3),
+            place(Class::Plant, 4, -56.0, 2.5, 0.0),
         ];
         Self { room, light: Light::default(), objects }
     }
@@ -285,6 +285,17 @@ mod tests {
         // A cross: no corner lies inside the other.
         let wide = [[-2.0, 0.4], [2.0, 0.4], [2.0, 0.6], [-2.0, 0.6]];
         assert_eq!(distance(&square(0.0, 0.0), &wide), 0.0);
+    }
+
+    #[test]
+    fn the_demo_keeps_its_distances() {
+        let objects = RoomPlan::demo().objects;
+        for (i, a) in objects.iter().enumerate() {
+            for b in &objects[..i] {
+                let found = distance(&a.footprint(), &b.footprint());
+                assert!(found >= APART, "{:?} and {:?}: {found} m", a.class, b.class);
+            }
+        }
     }
 
     #[test]
