@@ -88,7 +88,7 @@ impl Recording {
             .map(|i| {
                 let t = i as f32 / (frames - 1) as f32;
                 // Slowly forward and a little to the side while the head turns from left to right.
-                CameraPose::new(0.15 * t - 0.45, 0.05 - 0.1 * t, 0.66 - 1.28 * t, 1.2, 0.30)
+                CameraPose::new(0.15 * t - 0.45, 0.05 - 0.1 * t, 0.76 - 1.48 * t, 1.2, 0.30)
             })
             .collect();
         Self::along(plan, path, Sensor::kinect_v1(), 5.0, 20)

@@ -119,7 +119,7 @@ impl RoomPlan {
     /// The room of [`super::Recording::demo`].
     pub(super) fn demo() -> Self {
         let mut rng = Rng::new(4);
-        let mut room = room(&mut rng, [3.4, 3.0]);
+        let mut room = room(&mut rng, [3.4, 3.4]);
         room.floor = Material::new([176, 132, 88], Texture::Planks(0.14));
         room.walls = [
             None,
@@ -136,12 +136,12 @@ impl RoomPlan {
             PlacedObject::new(class, HELD_OUT_SEEDS + object, pose)
         };
         let objects = vec![
-            place(Class::Armchair, 2, 66.0, 2.4, 0.5),
-            place(Class::Box, 0, 36.0, 2.3, 0.2),
+            place(Class::Armchair, 2, 65.0, 2.5, 0.5),
+            place(Class::Box, 0, 35.0, 2.3, 0.2),
             place(Class::Chair, 3, 9.0, 2.4, -0.6),
             place(Class::Bin, 2, -12.0, 2.1, 0.0),
             place(Class::Stool, 0, -31.0, 2.3, 0.3),
-            place(Class::Plant, 4, -56.0, 2.5, 0.0),
+            place(Class::Plant, 4, -60.0, 2.7, 0.0),
         ];
         Self { room, light: Light::default(), objects }
     }

@@ -65,13 +65,15 @@ fn the_demo_shows_free_objects_of_many_classes() {
     assert_eq!((recording.len(), recording.sensor.intrinsics.width), (12, 640));
     recording.sensor.intrinsics = pldi_core::Intrinsics::PRIMESENSE_QVGA;
     let mut classes = std::collections::BTreeSet::new();
+    let mut sightings = 0;
     for (i, frame) in recording.frames().enumerate() {
         let clear: Vec<_> = frame.truth.iter().filter(|t| !t.occluded && !t.cut_by_frame).collect();
-        assert!(clear.len() >= 2, "frame {i}: {:?}", frame.truth);
+        assert!(!clear.is_empty(), "frame {i}: {:?}", frame.truth);
+        sightings += clear.len();
         classes.extend(clear.iter().map(|t| t.class.clone()));
         assert!(frame.truth.iter().all(|t| t.object >= HELD_OUT_SEEDS));
     }
-    assert!(classes.len() >= 5, "{classes:?}");
+    assert!(classes.len() == 6 && sightings >= 24, "{sightings} of {classes:?}");
 }
 
 #[test]
