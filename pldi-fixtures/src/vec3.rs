@@ -41,7 +41,7 @@ pub(crate) fn lerp(a: [f32; 3], b: [f32; 3], t: f32) -> [f32; 3] {
 /// Two unit vectors that complete the unit vector `axis` to a right-handed frame (first, second, axis).
 pub(crate) fn frame(axis: [f32; 3]) -> ([f32; 3], [f32; 3]) {
     // Any vector far from the axis will do as the start.
-    let helper = if axis[2].abs() < 0.9 { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
-    let first = unit(cross(helper, axis)).unwrap_or([1.0, 0.0, 0.0]);
+    let reference = if axis[2].abs() < 0.9 { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
+    let first = unit(cross(reference, axis)).unwrap_or([1.0, 0.0, 0.0]);
     (first, cross(axis, first))
 }

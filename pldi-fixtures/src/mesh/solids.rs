@@ -191,7 +191,7 @@ impl Mesh {
             let ahead = points[(i + 1).min(points.len() - 1)];
             let behind = points[i.saturating_sub(1)];
             let axis = unit(sub(ahead, behind)).unwrap_or([0.0, 0.0, 1.0]);
-            // The frame is carried along, else the tube would twist where the helper axis changes.
+            // The frame is carried along, else the tube would twist where the reference axis changes.
             let first = e1
                 .and_then(|e: [f32; 3]| unit(sub(e, scale(axis, crate::vec3::dot(e, axis)))))
                 .unwrap_or_else(|| frame(axis).0);
