@@ -7,7 +7,7 @@ use crate::{Error, Image, Rays, math};
 use heapless::Vec;
 
 /// Points that the search looks at, at most: a regular grid over the image.
-const MAX_POINTS: usize = 1200;
+const MAX_POINTS: usize = 2200;
 
 /// Hypotheses that are refined at the end.
 const FINALISTS: usize = 6;
@@ -22,19 +22,22 @@ const REACHES: [f32; 4] = [2.0, 1.0, 0.6, 0.6];
 pub struct RansacParams {
     /// Seed of the random numbers. Default 1.
     pub seed: u32,
-    /// Samples that are drawn, 1 to 10,000. Default 600.
+    /// Samples that are drawn, 1 to 10,000. Default 1500.
     pub samples: u16,
-    /// Distance to the plane within which a point belongs to it, at the camera, in metres. Default 0.015.
+    /// Distance to the plane within which a point belongs to it, at the camera, in metres. Default 0.01.
     pub tolerance: f32,
-    /// The tolerance grows by this times z^2 (metres per square metre): the sensor's axial error. Default 0.0025.
+    /// The tolerance grows by this times z^2 (metres per square metre): the sensor's axial error. Default 0.0015.
     pub tolerance_per_z2: f32,
     /// Smallest and largest height of the camera above the floor in metres. Default 0.2 to 2.5.
     pub height: (f32, f32),
-    /// Smallest and largest pitch (looking down is positive) in radians. Default -0.35 to 1.22 (-20 to 70 degrees).
+    /// Smallest and largest pitch (looking down is positive) in radians. Default -0.35 to 1.31 (-20 to 75 degrees).
     pub pitch: (f32, f32),
-    /// Largest roll in radians. Default 0.35 (20 degrees).
-    pub roll: f32,
-    /// Share of the points with depth that must lie on the floor, 0..1. Default 0.04.
+    /// From this pitch on (radians) a plane counts for a fifth: a slanted wall looks like the floor of a camera that looks
+    /// steeply down, and such cameras are rare. Default 0.87 (50 degrees).
+    pub steep: f32,
+    /// Largest tilt to a side, the angle between the image's rows and the floor, in radians. Default 0.35 (20 degrees).
+    pub tilt: f32,
+    /// Share of the points with depth that must lie on the floor, 0..1. Default 0.03.
     pub support: f32,
     /// Points beyond this depth in metres are not looked at. Default 6.
     pub far: f32,
@@ -44,13 +47,14 @@ impl RansacParams {
     /// Values for cameras on mobile robots and hand-held ones.
     pub const DEFAULT: Self = Self {
         seed: 1,
-        samples: 600,
-        tolerance: 0.015,
-        tolerance_per_z2: 0.0025,
+        samples: 1500,
+        tolerance: 0.01,
+        tolerance_per_z2: 0.0015,
         height: (0.2, 2.5),
-        pitch: (-0.35, 1.22),
-        roll: 0.35,
-        support: 0.04,
+        pitch: (-0.35, 1.31),
+        steep: 0.87,
+        tilt: 0.35,
+        support: 0.03,
         far: 6.0,
     };
 
@@ -67,16 +71,16 @@ impl RansacParams {
         within("floor: height", self.height.1, 0.01, 10.0)?;
         within("floor: pitch", self.pitch.0, -1.6, self.pitch.1)?;
         within("floor: pitch", self.pitch.1, -1.6, 1.6)?;
-        within("floor: roll", self.roll, 0.0, 1.6)?;
+        within("floor: steep", self.steep, -1.6, 1.6)?;
+        within("floor: tilt", self.tilt, 0.0, 1.6)?;
         within("floor: support", self.support, 0.0, 1.0)?;
         within("floor: far", self.far, 0.1, 100.0)
     }
 
     fn plausible(&self, floor: &Floor) -> bool {
-        let (pitch, roll) = (floor.pitch(), floor.roll());
         (self.height.0..=self.height.1).contains(&floor.height)
-            && (self.pitch.0..=self.pitch.1).contains(&pitch)
-            && roll.abs() <= self.roll
+            && (self.pitch.0..=self.pitch.1).contains(&floor.pitch())
+            && math::asin(floor.normal[0]).abs() <= self.tilt
     }
 
     fn tolerance_at(&self, z: f32) -> f32 {
@@ -87,7 +91,7 @@ impl RansacParams {
 /// Finds the floor in a depth image (metres, 0 = none); `None` where no plausible plane has enough support.
 ///
 /// A plane counts for the points on it and against those below it: a table top, with the floor seen below, loses
-/// to the floor. Walls fail the limits of pitch and roll.
+/// to the floor. Walls fail the limits of pitch and tilt.
 pub fn find<const W: usize, const H: usize>(
     depth: &Image<f32, W, H>,
     rays: &Rays<W, H>,
@@ -125,7 +129,10 @@ pub fn find<const W: usize, const H: usize>(
             best = (score, Some(floor));
         }
     }
-    (best.0 as f32 >= params.support * points.len() as f32).then_some(best.1)?
+    let (score, floor) = best;
+    let steep = floor?.pitch() > params.steep;
+    let enough = params.support * points.len() as f32;
+    if (if steep { 5 * score } else { score }) as f32 >= enough { floor } else { None }
 }
 
 /// A plane through three points that stand near each other in the grid (near points often share a surface, points
@@ -152,7 +159,7 @@ fn oriented(normal: [f32; 3], point: [f32; 3]) -> Floor {
     Floor { normal, height: -dot(normal, point) }
 }
 
-/// Points on the plane, less three times those clearly below it.
+/// Points on the plane, less three times those clearly below it; a fifth of that for steep views.
 fn score(points: &[[f32; 3]], floor: &Floor, params: &RansacParams) -> i32 {
     let (mut on, mut below) = (0, 0);
     for p in points {
@@ -160,7 +167,8 @@ fn score(points: &[[f32; 3]], floor: &Floor, params: &RansacParams) -> i32 {
         on += i32::from(distance.abs() <= tolerance);
         below += i32::from(distance < -2.0 * tolerance);
     }
-    on - 3 * below
+    let score = on - 3 * below;
+    if floor.pitch() > params.steep { score / 5 } else { score }
 }
 
 /// Least squares over the points near the plane, each weighted by the inverse square of its tolerance.

@@ -50,7 +50,7 @@ pub struct Build {
     /// The class of all meshes
     #[arg(long, value_name = "NAME", conflicts_with = "by_folder")]
     class: Option<String>,
-    /// Each mesh's class is the name of its folder
+    /// Each mesh's class is the name of its folder; of the first folder below where a folder of folders is given
     #[arg(long)]
     by_folder: bool,
     /// The axis that points up: z or y
@@ -169,7 +169,7 @@ impl Build {
     fn read_meshes(&self) -> anyhow::Result<Vec<ObjectMesh>> {
         let mut files = Vec::new();
         for path in &self.meshes {
-            collect(path, &mut files)?;
+            collect(path, None, &mut files)?;
         }
         files.sort();
         if files.is_empty() {
@@ -181,10 +181,10 @@ impl Build {
             self.threads.count(),
             || (),
             |(), i| {
-                let path = &files[i];
+                let (path, folder) = &files[i];
                 let class = match (&self.class, self.by_folder) {
                     (Some(class), _) => class.clone(),
-                    (None, true) => folder_name(path)?,
+                    (None, true) => folder.clone().map_or_else(|| folder_name(path), Ok)?,
                     (None, false) => {
                         return Err(Error::Usage("give the meshes' class by --class or --by-folder".to_owned()));
                     }
@@ -206,18 +206,22 @@ fn folder_name(path: &Path) -> Result<String, Error> {
     name.ok_or_else(|| Error::Usage(format!("{} lies in no folder that could name its class", path.display())))
 }
 
-/// The files themselves, and the meshes in folders and below.
-fn collect(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Error> {
+/// The files themselves, and the meshes in folders and below, each with the name of the first folder below `path`.
+fn collect(path: &Path, class: Option<&str>, files: &mut Vec<(PathBuf, Option<String>)>) -> Result<(), Error> {
     if !path.is_dir() {
-        files.push(path.to_owned());
+        files.push((path.to_owned(), class.map(str::to_owned)));
         return Ok(());
     }
     let fails = |cause| Error::Read { path: path.to_owned(), cause };
     for entry in std::fs::read_dir(path).map_err(fails)? {
-        let path = entry.map_err(fails)?.path();
+        let entry = entry.map_err(fails)?;
+        let path = entry.path();
         let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        if path.is_dir() || ending.is_some_and(|e| ["off", "obj", "stl", "ply"].contains(&e.as_str())) {
-            collect(&path, files)?;
+        if path.is_dir() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            collect(&path, Some(class.unwrap_or(&name)), files)?;
+        } else if ending.is_some_and(|e| ["off", "obj", "stl", "ply"].contains(&e.as_str())) {
+            collect(&path, class, files)?;
         }
     }
     Ok(())
