@@ -4,10 +4,15 @@
 
 pub mod error;
 pub mod input;
+pub mod inspect;
 pub mod mesh;
 pub mod output;
+pub mod overlay;
 pub mod parallel;
+pub mod report;
+pub mod runner;
 pub mod stages;
 pub mod templates;
+pub mod trial;
 
 pub use error::Error;

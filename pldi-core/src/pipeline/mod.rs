@@ -198,10 +198,8 @@ fn view_of<const W: usize, const H: usize>(
     view: &mut descriptor::View,
 ) -> Option<()> {
     let to_image = Homography::plane_to_image(axes, intrinsics, cluster.centroid)?;
-    let to_plane = to_image.inverse()?;
-    let [x, y] = cluster.centroid;
-    let pixel = crate::math::sqrt(x * x + y * y) / intrinsics.fx;
-    let square = framing::square(params.view.framing, labels, label, cluster.bbox, &to_plane, pixel)?;
-    warp::warp(n, labels, label, &to_image, &square, view);
+    let (framing, pixel) = (params.view.framing, 1.0 / intrinsics.fx);
+    let frontal = framing::frontal(framing, labels, label, cluster.bbox, &to_image, axes.floor.height, pixel)?;
+    warp::warp(n, labels, label, &frontal, view);
     Some(())
 }

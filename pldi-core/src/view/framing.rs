@@ -1,18 +1,18 @@
-//! Which square of the frontal plane becomes the view.
+//! Which square of the frontal view becomes the 128x128 image.
 
 use super::Homography;
 use crate::descriptor::DescriptorKind;
 use crate::templates::{crc32, layout::Header};
 use crate::{Error, Image, TemplateError};
 
-/// How the square of the plane is chosen (coordinates s, t of [`super::homography`], in metres).
+/// How the square is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Framing {
     /// Centred on the centroid of the object's pixels, half side to the farthest of them: size does not count.
     #[default]
     Fit,
-    /// A fixed side in metres, standing on the floor, centred on the object: size counts.
+    /// As large as a square of a fixed side on pi_f that stands on the floor before the object: size counts.
     Metric {
         /// Side in metres, 0.1 to 10.
         side: f32,
@@ -85,50 +85,75 @@ impl ViewParams {
     }
 }
 
-/// A square on the plane: centre (s, t) and half of its side, in metres.
+/// A frontal view of an object: which pixel each of its points comes from, and which square of it is the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Square {
-    /// Centre: metres right of the centroid, metres above the floor.
+pub struct Frontal {
+    /// From view coordinates (image plane at unit distance, x right, y down) to the frame's pixels.
+    pub to_image: Homography,
+    /// Centre of the square in view coordinates.
     pub centre: [f32; 2],
-    /// Half of the side in metres.
+    /// Half of its side in view coordinates.
     pub half: f32,
 }
 
-/// The square for the pixels that carry `label` within `bbox` (first column, first row, last column, last row).
+/// The frontal view of the pixels that carry `label` within `bbox` (first column, first row, last column, last row).
 ///
-/// `to_plane` takes pixels to (s, t); `pixel` is the size of a pixel on the plane in metres, added to the half side of
-/// a fitted square so that the farthest pixel lies inside. `None` where no pixel carries the label.
-pub fn square<const W: usize, const H: usize>(
+/// `plane_to_image` is the map of [`Homography::plane_to_image`], `height` the camera's in metres; `pixel` is the angle of a
+/// pixel (radians), added to the half side of a fitted square so that the farthest pixel lies inside. `None` where no
+/// pixel carries the label.
+pub fn frontal<const W: usize, const H: usize>(
     framing: Framing,
     labels: &Image<u16, W, H>,
     label: u16,
     bbox: [u16; 4],
-    to_plane: &Homography,
+    plane_to_image: &Homography,
+    height: f32,
     pixel: f32,
-) -> Option<Square> {
+) -> Option<Frontal> {
     if let Framing::Metric { side } = framing {
-        return Some(Square { centre: [0.0, 0.5 * side], half: 0.5 * side });
+        let view_to_plane = Homography::view_to_plane(height, 0.5 * side);
+        let half = 0.5 * side / super::homography::FRONTAL_DISTANCE;
+        return Some(Frontal { to_image: plane_to_image.after(&view_to_plane), centre: [0.0; 2], half });
     }
-    let [u0, v0, u1, v1] = bbox.map(usize::from);
-    let each = |f: &mut dyn FnMut([f32; 2])| {
-        for (v, row) in labels.iter().enumerate().take(v1 + 1).skip(v0) {
-            for (u, _) in row.iter().enumerate().take(u1 + 1).skip(u0).filter(|(_, l)| **l == label) {
-                if let Some(p) = to_plane.apply(u as f32, v as f32) {
+    let pixels = Pixels { labels, label, bbox };
+    let middle = pixels.mean(&plane_to_image.inverse()?)?;
+    let to_image = plane_to_image.after(&Homography::view_to_plane(height, middle[1]));
+    let to_view = to_image.inverse()?;
+    let centre = pixels.mean(&to_view)?;
+    let mut half = 0.0f32;
+    pixels.each(&to_view, |p| half = half.max((p[0] - centre[0]).abs()).max((p[1] - centre[1]).abs()));
+    Some(Frontal { to_image, centre, half: half + pixel })
+}
+
+/// The pixels of one object.
+struct Pixels<'a, const W: usize, const H: usize> {
+    labels: &'a Image<u16, W, H>,
+    label: u16,
+    bbox: [u16; 4],
+}
+
+impl<const W: usize, const H: usize> Pixels<'_, W, H> {
+    /// Calls `f` with the image of each pixel under a map.
+    fn each(&self, map: &Homography, mut f: impl FnMut([f32; 2])) {
+        let [u0, v0, u1, v1] = self.bbox.map(usize::from);
+        for (v, row) in self.labels.iter().enumerate().take(v1 + 1).skip(v0) {
+            for (u, label) in row.iter().enumerate().take(u1 + 1).skip(u0) {
+                if *label == self.label
+                    && let Some(p) = map.apply(u as f32, v as f32)
+                {
                     f(p);
                 }
             }
         }
-    };
-    let (mut count, mut sum) = (0.0f32, [0.0f32; 2]);
-    each(&mut |p| {
-        count += 1.0;
-        sum = [sum[0] + p[0], sum[1] + p[1]];
-    });
-    if !(count > 0.0) {
-        return None;
     }
-    let centre = sum.map(|v| v / count);
-    let mut half = 0.0f32;
-    each(&mut |p| half = half.max((p[0] - centre[0]).abs()).max((p[1] - centre[1]).abs()));
-    Some(Square { centre, half: half + pixel })
+
+    /// The mean of the pixels' images under a map; `None` without pixels.
+    fn mean(&self, map: &Homography) -> Option<[f32; 2]> {
+        let (mut count, mut sum) = (0.0f32, [0.0f32; 2]);
+        self.each(map, |p| {
+            count += 1.0;
+            sum = [sum[0] + p[0], sum[1] + p[1]];
+        });
+        (count > 0.0).then(|| sum.map(|v| v / count))
+    }
 }

@@ -1,11 +1,15 @@
-//! The plane pi_o through an object, and the homography that shows it frontally (paper, section 4, Fig. 4).
+//! The planes pi_o and pi_f, and the homography between them that shows an object frontally (paper, section 4, Fig. 4).
 //!
 //! pi_o is the vertical plane through the object's centroid that faces the camera. Its points have coordinates
 //! (s, t): metres to the right of the centroid and metres above the floor. The plane pi_f stands in the same way
-//! straight ahead of the camera. The homography from pi_o to pi_f keeps (s, t): it turns the object in front of the
-//! camera and takes its distance away, so that a metre has the same size in every view.
+//! straight ahead of the camera at [`FRONTAL_DISTANCE`]. The homography from pi_o to pi_f keeps (s, t): it turns the
+//! object in front of the camera and takes its distance away. The view is then what a camera at the sensor's own height
+//! sees of pi_f when it looks at the object's middle: so the view does not depend on the sensor's pitch either.
 
 use crate::{FloorAxes, Intrinsics, math};
+
+/// Distance of pi_f from the camera along the floor, in metres: the centre of the default sensory area (0.5 m to 4 m).
+pub const FRONTAL_DISTANCE: f32 = 2.25;
 
 /// A 3x3 matrix, row by row, that acts on homogeneous coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +31,25 @@ impl Homography {
         let columns = [across, axes.floor.normal, foot];
         let row = |f: f32, c: f32, i: usize| columns.map(|p| f * p[i] + c * p[2]);
         Some(Self([row(intrinsics.fx, intrinsics.cx, 0), row(intrinsics.fy, intrinsics.cy, 1), columns.map(|p| p[2])]))
+    }
+
+    /// From a frontal view to the coordinates (s, t): the camera stands `height` metres above the floor and
+    /// [`FRONTAL_DISTANCE`] before pi_f, and looks at the point (0, `middle`). View coordinates are those of the image
+    /// plane at unit distance: x to the right, y down, (0, 0) where the camera looks.
+    pub fn view_to_plane(height: f32, middle: f32) -> Self {
+        let drop = height - middle;
+        let length = math::sqrt(drop * drop + FRONTAL_DISTANCE * FRONTAL_DISTANCE);
+        let (sin, cos) = (drop / length, FRONTAL_DISTANCE / length);
+        // The ray (x, y, 1) goes x to the right, y cos + sin down and cos - y sin forward.
+        let d = FRONTAL_DISTANCE;
+        Self([[d, 0.0, 0.0], [0.0, -height * sin - d * cos, height * cos - d * sin], [0.0, -sin, cos]])
+    }
+
+    /// This map after another: `self.after(g)` takes x to self(g(x)).
+    pub fn after(&self, first: &Self) -> Self {
+        Self(self.0.map(|row| {
+            core::array::from_fn(|j| row[0] * first.0[0][j] + row[1] * first.0[1][j] + row[2] * first.0[2][j])
+        }))
     }
 
     /// The image of a point; `None` behind the camera or at infinity.
@@ -76,6 +99,20 @@ mod tests {
                 prop_assert!((back[0] - s).abs() < 1e-3 && (back[1] - t).abs() < 1e-3, "{back:?}");
             }
         }
+    }
+
+    #[test]
+    fn the_view_looks_at_the_middle_of_pi_f() {
+        let h = Homography::view_to_plane(1.2, 0.5);
+        let [s, t] = h.apply(0.0, 0.0).unwrap();
+        assert!(s.abs() < 1e-6 && (t - 0.5).abs() < 1e-6);
+        // A level camera sees a metre on pi_f under 1 / 2.25.
+        let level = Homography::view_to_plane(1.2, 1.2).inverse().unwrap();
+        let [x, y] = level.apply(1.0, 2.2).unwrap();
+        assert!((x - 1.0 / 2.25).abs() < 1e-6 && (y + 1.0 / 2.25).abs() < 1e-6);
+        let both = h.after(&level).apply(1.0, 2.2).unwrap();
+        let one = h.apply(x, y).unwrap();
+        assert!((both[0] - one[0]).abs() < 1e-5 && (both[1] - one[1]).abs() < 1e-5);
     }
 
     #[test]

@@ -5,5 +5,5 @@ pub mod framing;
 pub mod homography;
 pub mod warp;
 
-pub use framing::{Framing, ViewParams};
+pub use framing::{Framing, Frontal, ViewParams};
 pub use homography::Homography;

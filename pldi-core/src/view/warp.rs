@@ -1,7 +1,6 @@
 //! The 128x128 view: bilinear sampling of N through a homography.
 
-use super::Homography;
-use super::framing::Square;
+use super::framing::Frontal;
 use crate::Image;
 use crate::descriptor::View;
 use crate::math;
@@ -14,15 +13,14 @@ pub fn warp<const W: usize, const H: usize>(
     n: &Image<u16, W, H>,
     labels: &Image<u16, W, H>,
     label: u16,
-    to_image: &Homography,
-    square: &Square,
+    frontal: &Frontal,
     view: &mut View,
 ) {
-    let step = 2.0 * square.half / SIZE as f32;
+    let step = 2.0 * frontal.half / SIZE as f32;
     let offset = |i: usize| (i as f32 + 0.5 - SIZE as f32 / 2.0) * step;
     for (j, row) in view.iter_mut().enumerate() {
         for (i, out) in row.iter_mut().enumerate() {
-            let at = to_image.apply(square.centre[0] + offset(i), square.centre[1] - offset(j));
+            let at = frontal.to_image.apply(frontal.centre[0] + offset(i), frontal.centre[1] + offset(j));
             *out = at.map_or(0, |[u, v]| sample(n, labels, label, u, v));
         }
     }
@@ -58,7 +56,8 @@ fn sample<const W: usize, const H: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::framing::{Framing, square};
+    use crate::view::Homography;
+    use crate::view::framing::{Framing, frontal};
     use crate::{Floor, Intrinsics};
     use proptest::prelude::*;
 
@@ -90,9 +89,9 @@ mod tests {
 
     fn view_of(framing: Framing, pitch: f32, centroid: [f32; 2], w: f32, h: f32) -> Box<View> {
         let (n, labels, to_image, bbox) = panel(pitch, centroid, w, h);
-        let square = square(framing, &labels, 7, bbox, &to_image.inverse().unwrap(), 0.005).unwrap();
+        let frontal = frontal(framing, &labels, 7, bbox, &to_image, 1.2, 0.0035).unwrap();
         let mut view: Box<View> = vec![[0; SIZE]; SIZE].into_boxed_slice().try_into().unwrap();
-        warp(&n, &labels, 7, &to_image, &square, &mut view);
+        warp(&n, &labels, 7, &frontal, &mut view);
         view
     }
 
@@ -108,7 +107,7 @@ mod tests {
         assert!(view[100][50] > 0 && view[100][77] > 0 && view[66][64] > 0);
         assert!(view[100][46] == 0 && view[100][81] == 0 && view[61][64] == 0);
         // N of 20000 + 30000 t at t = 0.5 m.
-        assert!((f32::from(view[96][64]) - 35_000.0).abs() < 400.0, "{}", view[96][64]);
+        assert!((f32::from(view[96][64]) - 35_000.0).abs() < 1000.0, "{}", view[96][64]);
     }
 
     #[test]

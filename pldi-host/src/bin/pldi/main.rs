@@ -1,12 +1,16 @@
 //! The command `pldi`: recognises furniture in RGB-D recordings.
 //!
-//! Results go to stdout, messages and progress to stderr. Exit codes: 0 done, 1 failed on the data, 2 wrong usage.
+//! Results go to stdout, messages and progress to stderr. Exit codes: 0 done, 1 failed on the data, 2 wrong usage,
+//! 130 interrupted.
 
 mod args;
 mod describe;
+mod inspect;
 mod progress;
+mod run;
 mod stages;
 mod templates;
+mod trial;
 
 use std::process::ExitCode;
 
@@ -25,6 +29,10 @@ struct Cli {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
+    /// Recognise the objects in each frame of a recording: JSON Lines on stdout
+    Run(run::Run),
+    /// Tell what a recording is like, and whether its depth belongs to its colour
+    Inspect(inspect::Inspect),
     /// Write every stage of one frame as files
     Stages(stages::Stages),
     /// Print the 58 numbers of a 128x128 16-bit image as JSON
@@ -34,6 +42,8 @@ enum Command {
     /// Make template sets from meshes, show them, try them
     #[command(subcommand)]
     Templates(templates::Templates),
+    /// Try the templates on generated recordings with truth
+    Trial(trial::Trial),
 }
 
 fn main() -> ExitCode {
@@ -51,10 +61,13 @@ fn main() -> ExitCode {
         .init();
     progress::watch_interrupts();
     let result = match cli.command {
+        Command::Run(command) => command.run(),
+        Command::Inspect(command) => command.run(),
         Command::Stages(command) => command.run(),
         Command::Describe(command) => command.run(),
         Command::Match(command) => command.run(),
         Command::Templates(command) => command.run(),
+        Command::Trial(command) => command.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -70,6 +83,10 @@ fn fail(error: &anyhow::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     eprintln!("pldi: {error:#}");
-    let code = error.downcast_ref::<pldi_host::Error>().map_or(1, pldi_host::Error::exit_code);
-    ExitCode::from(code)
+    match error.downcast_ref() {
+        // As shells report a process that an interrupt ended.
+        Some(pldi_host::Error::Interrupted) => ExitCode::from(130),
+        Some(error) => ExitCode::from(error.exit_code()),
+        None => ExitCode::FAILURE,
+    }
 }

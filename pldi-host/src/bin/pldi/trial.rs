@@ -1,0 +1,72 @@
+//! `pldi trial`: generated recordings with truth, and how well they are understood.
+
+use std::path::PathBuf;
+
+use pldi_core::templates::Templates;
+use pldi_host::trial::Trial as Rooms;
+
+use crate::args::{Processing, Threads};
+use crate::templates;
+
+/// Options of `pldi trial`.
+#[derive(Debug, clap::Args)]
+pub struct Trial {
+    /// Template file [default: the embedded set]
+    #[arg(long, value_name = "FILE")]
+    templates: Option<PathBuf>,
+    #[command(flatten)]
+    processing: Processing,
+    /// Rooms that are generated, each with held-out objects of its own
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    rooms: u32,
+    /// Frames of each room's drive
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    frames: u16,
+    /// Seed of rooms, paths and noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// List what went wrong
+    #[arg(long)]
+    list: bool,
+    #[command(flatten)]
+    threads: Threads,
+}
+
+impl Trial {
+    /// Runs the command.
+    pub fn run(&self) -> anyhow::Result<()> {
+        let bytes = templates::read(self.templates.as_deref())?;
+        let set: Templates<'_> = templates::parse(self.templates.as_deref(), &bytes)?;
+        let params = self.processing.params(*set.view_params());
+        let rooms = Rooms { rooms: self.rooms, frames: usize::from(self.frames), seed: self.seed };
+        let bar = crate::progress::bar(self.rooms.into());
+        let outcome = rooms.run(&params, &set, self.threads.count(), || {
+            bar.inc(1);
+            !crate::progress::interrupted()
+        })?;
+        bar.finish_and_clear();
+        let classes: Vec<String> = set.classes().map(str::to_owned).collect();
+        if self.list {
+            for s in &outcome.sightings {
+                let taken = match (&s.answer, s.reason) {
+                    (Some((class, _)), _) if *class == s.truth.class => continue,
+                    (Some((class, score)), _) => format!("taken for {class} ({score:.2})"),
+                    (None, Some(reason)) => format!("rejected: {reason}"),
+                    (None, None) => "no cluster".to_owned(),
+                };
+                let (truth, distance) = (&s.truth, s.truth.distance);
+                println!("room {} frame {}: {} {} at {distance:.2} m {taken}", s.room, s.frame, truth.class, truth.object);
+            }
+        }
+        println!("{}", outcome.confusion(&classes));
+        println!(
+            "{} frames, {} whole un-occluded objects within the sensory area: found {:.1} %, macro recall with the others counted as missed {:.1} %; {} candidates are no whole object",
+            outcome.frames,
+            outcome.sightings.len(),
+            100.0 * outcome.found_share(),
+            100.0 * outcome.strict_recall(&classes),
+            outcome.strays
+        );
+        Ok(())
+    }
+}
