@@ -53,6 +53,17 @@ impl QvgaFrame {
     }
 }
 
+/// A frame's images before they were reduced.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Original {
+    /// Width and height of both.
+    pub size: (u16, u16),
+    /// Depth in mm, 0 = no reading, row by row.
+    pub depth: Vec<u16>,
+    /// Colour, 8 bits each of red, green and blue, row by row.
+    pub colour: Option<Vec<u8>>,
+}
+
 /// Where frames come from. Frames are read when they are asked for, in any order and from several threads at once.
 pub trait FrameSource: Send + Sync {
     /// Number of frames.
@@ -68,4 +79,14 @@ pub trait FrameSource: Send + Sync {
     /// # Errors
     /// What is wrong with the frame's files, or that there is no such frame.
     fn frame(&self, index: usize) -> Result<QvgaFrame, Error>;
+
+    /// The images of frame number `index` as they were taken, to be looked at; where a source has nothing else, the
+    /// reduced ones.
+    ///
+    /// # Errors
+    /// As [`FrameSource::frame`].
+    fn original(&self, index: usize) -> Result<Original, Error> {
+        let QvgaFrame { depth, colour, .. } = self.frame(index)?;
+        Ok(Original { size: (320, 240), depth, colour })
+    }
 }

@@ -6,8 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::intrinsics::Camera;
 use super::lists::{self, Entry};
-use super::{DepthScale, FrameSource, IntrinsicsSpec, QvgaFrame, files, image, read_camera_info, reduce};
+use super::{DepthScale, FrameSource, IntrinsicsSpec, Original, QvgaFrame, files, image, read_camera_info, reduce};
 use crate::Error;
+use crate::error::IntrinsicsOrigin;
 
 /// A list of a million frames (nine hours) fits.
 const MAX_LIST_BYTES: u64 = 256 << 20;
@@ -89,27 +90,41 @@ impl Recording {
         Self { folder, list, entries, camera, scale: options.depth_scale, warned_default, warned_range }
     }
 
-    fn read(&self, index: usize, entry: &Entry) -> Result<QvgaFrame, Error> {
+    /// Time of each frame in seconds, in the frames' order, as listed.
+    pub fn stamps(&self) -> impl ExactSizeIterator<Item = f64> {
+        self.entries.iter().map(|entry| entry.stamp)
+    }
+
+    /// Where the intrinsics come from.
+    pub fn intrinsics_origin(&self) -> IntrinsicsOrigin {
+        match &self.camera {
+            Camera::Option(_) => IntrinsicsOrigin::Option,
+            Camera::File(_, path) => IntrinsicsOrigin::File(path.clone()),
+            Camera::Default => IntrinsicsOrigin::Default,
+        }
+    }
+
+    /// Decodes a frame's images: the raw depth, and the colour of the same size.
+    fn decode(&self, entry: &Entry) -> Result<(PathBuf, image::Pixels<u16>, Option<Vec<u8>>), Error> {
         let path = self.folder.join(&entry.depth);
         let raw = image::read_depth(&path)?;
+        let Some(name) = &entry.colour else { return Ok((path, raw, None)) };
+        let colour_path = self.folder.join(name);
+        let colour = image::read_colour(&colour_path)?;
+        if (colour.width, colour.height) == (raw.width, raw.height) {
+            return Ok((path, raw, Some(colour.values)));
+        }
+        Err(Error::PairSizes {
+            colour: colour_path,
+            colour_size: (colour.width.into(), colour.height.into()),
+            depth: path,
+            depth_size: (raw.width.into(), raw.height.into()),
+        })
+    }
+
+    fn read(&self, index: usize, entry: &Entry) -> Result<QvgaFrame, Error> {
+        let (path, raw, colour) = self.decode(entry)?;
         let original_size = (raw.width, raw.height);
-        let colour = match &entry.colour {
-            None => None,
-            Some(name) => {
-                let colour_path = self.folder.join(name);
-                let colour = image::read_colour(&colour_path)?;
-                if (colour.width, colour.height) != original_size {
-                    let wide = |(w, h): (u16, u16)| (u32::from(w), u32::from(h));
-                    return Err(Error::PairSizes {
-                        colour: colour_path,
-                        colour_size: wide((colour.width, colour.height)),
-                        depth: path,
-                        depth_size: wide(original_size),
-                    });
-                }
-                Some(colour.values)
-            }
-        };
         let factor = reduce::factor(&path, original_size)?;
         let intrinsics = self.camera.for_image(&path, original_size)?;
         if matches!(self.camera, Camera::Default) && !self.warned_default.swap(true, Ordering::Relaxed) {
@@ -132,6 +147,16 @@ impl Recording {
         let colour = colour.map(|values| reduce::colour(values, factor));
         let (stamp, name) = (entry.stamp, entry.depth.clone());
         Ok(QvgaFrame { index, stamp, name, depth, colour, intrinsics, factor, original_size })
+    }
+
+    /// Says where a file that cannot be read is listed: it may be the list's mistake; other faults are the image's own.
+    fn listed(&self, entry: &Entry, cause: Error) -> Error {
+        match (&self.list, cause) {
+            (Some(list), Error::Read { path, cause }) => {
+                Error::Listed { list: list.clone(), line: entry.line, cause: Box::new(Error::Read { path, cause }) }
+            }
+            (_, cause) => cause,
+        }
     }
 
     /// Says once when most readings lie where the sensor hardly has any, which is what a wrong unit looks like.
@@ -161,13 +186,14 @@ impl FrameSource for Recording {
 
     fn frame(&self, index: usize) -> Result<QvgaFrame, Error> {
         let entry = self.entries.get(index).ok_or(Error::FrameIndex { index, len: self.entries.len() })?;
-        self.read(index, entry).map_err(|cause| match (&self.list, cause) {
-            // A missing file may be the list's mistake; other faults are the image's own.
-            (Some(list), Error::Read { path, cause }) => {
-                Error::Listed { list: list.clone(), line: entry.line, cause: Box::new(Error::Read { path, cause }) }
-            }
-            (_, cause) => cause,
-        })
+        self.read(index, entry).map_err(|cause| self.listed(entry, cause))
+    }
+
+    fn original(&self, index: usize) -> Result<Original, Error> {
+        let entry = self.entries.get(index).ok_or(Error::FrameIndex { index, len: self.entries.len() })?;
+        let (_, raw, colour) = self.decode(entry).map_err(|cause| self.listed(entry, cause))?;
+        let depth = raw.values.iter().map(|&value| self.scale.to_mm(value)).collect();
+        Ok(Original { size: (raw.width, raw.height), depth, colour })
     }
 }
 

@@ -1,0 +1,129 @@
+//! `pldi run`: a recording's frames, one JSON line each.
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use indicatif::ProgressBar;
+use pldi_core::templates::Templates;
+use pldi_host::Error;
+use pldi_host::input::{FrameSource, Recording};
+use pldi_host::output::atomic;
+use pldi_host::runner::{self, FrameResult, Processed};
+use pldi_host::{overlay, report::FrameReport};
+
+use crate::args::{Input, Processing, Threads};
+use crate::{progress, templates};
+
+/// Options of `pldi run`.
+///
+/// On an interrupt (Ctrl-C, termination) the frames that are done stay written and the exit code is 130.
+#[derive(Debug, clap::Args)]
+pub struct Run {
+    #[command(flatten)]
+    input: Input,
+    /// The template file [default: the embedded set]
+    #[arg(long, value_name = "FILE")]
+    templates: Option<PathBuf>,
+    #[command(flatten)]
+    processing: Processing,
+    /// Folder for a picture of each frame (NNNN.png: candidates' outlines, their classes, the map of the floor); made
+    /// where it is missing
+    #[arg(long, value_name = "DIR")]
+    overlay: Option<PathBuf>,
+    /// Leave out frames that fail and go on; the exit code is still 1
+    #[arg(long)]
+    keep_going: bool,
+    #[command(flatten)]
+    threads: Threads,
+}
+
+impl Run {
+    /// Runs the command.
+    pub fn run(&self) -> anyhow::Result<()> {
+        let file = self.templates.as_deref();
+        let bytes = templates::read(file)?;
+        let set = templates::parse(file, &bytes)?;
+        let params = self.processing.params(*set.view_params());
+        set.require(&params.view).map_err(|cause| {
+            let name = file.map_or("the embedded templates".to_owned(), |f| f.display().to_string());
+            Error::Usage(format!("{name}: {cause}"))
+        })?;
+        let recording = self.input.open()?;
+        if let Some(folder) = &self.overlay {
+            std::fs::create_dir_all(folder).map_err(|cause| Error::Write { path: folder.clone(), cause })?;
+        }
+        let mut sink = Sink { keep_going: self.keep_going, overlay: self.overlay.as_deref(), failed: 0, bar: None };
+        if std::io::stderr().is_terminal() {
+            sink.bar = Some(progress::bar(recording.len() as u64));
+        }
+        let look = |processed: &Processed<'_>| self.draw(&recording, &set, processed);
+        let result = runner::run(&recording, &params, &set, self.threads.count(), look, |i, r| sink.take(i, r));
+        if let Some(bar) = &sink.bar {
+            bar.finish_and_clear();
+        }
+        result?;
+        let (failed, count) = (sink.failed, recording.len());
+        anyhow::ensure!(failed == 0, "{failed} of {count} frames failed");
+        Ok(())
+    }
+
+    /// The frame's picture as a PNG file, where pictures are wanted.
+    fn draw(&self, recording: &Recording, set: &Templates<'_>, seen: &Processed<'_>) -> Result<Option<Vec<u8>>, Error> {
+        if self.overlay.is_none() {
+            return Ok(None);
+        }
+        let original = recording.original(seen.frame.index)?;
+        Ok(Some(overlay::draw(seen, &original, set).to_png()?))
+    }
+}
+
+/// Where the results go.
+struct Sink<'a> {
+    keep_going: bool,
+    overlay: Option<&'a Path>,
+    /// Number of frames that failed.
+    failed: usize,
+    /// Only on a terminal.
+    bar: Option<ProgressBar>,
+}
+
+impl Sink<'_> {
+    /// Takes the result of frame `index`; whether to go on.
+    fn take(&mut self, index: usize, result: Result<FrameResult<Option<Vec<u8>>>, Error>) -> anyhow::Result<bool> {
+        match result {
+            Ok(FrameResult { report, extra }) => {
+                if let (Some(folder), Some(png)) = (self.overlay, extra) {
+                    atomic::write_bytes(&folder.join(format!("{index:04}.png")), &png)?;
+                }
+                self.say(|| print_line(&report))?;
+            }
+            // What is wrong with the call is wrong with every frame.
+            Err(error) if self.keep_going && !error.is_usage() => {
+                self.failed += 1;
+                self.say(|| eprintln!("pldi: frame {index}: {error}"));
+            }
+            Err(error) => return Err(anyhow::Error::from(error).context(format!("frame {index}"))),
+        }
+        if let Some(bar) = &self.bar {
+            bar.inc(1);
+        }
+        if progress::interrupted() { Err(Error::Interrupted.into()) } else { Ok(true) }
+    }
+
+    /// Writes something that must not land in the middle of the progress bar.
+    fn say<T>(&self, write: impl FnOnce() -> T) -> T {
+        match &self.bar {
+            Some(bar) => bar.suspend(write),
+            None => write(),
+        }
+    }
+}
+
+/// Writes one line at once, so that whoever reads along (or looks after an interrupt) never sees half of it.
+fn print_line(report: &FrameReport) -> anyhow::Result<()> {
+    let mut line = serde_json::to_vec(report)?;
+    line.push(b'\n');
+    let mut out = std::io::stdout().lock();
+    out.write_all(&line).and_then(|()| out.flush()).context("cannot write to stdout")
+}

@@ -1,0 +1,77 @@
+use std::sync::Mutex;
+
+use pldi_core::Intrinsics;
+use pldi_core::pipeline::Params;
+use pldi_core::templates::Templates;
+
+use super::*;
+use crate::Error;
+use crate::input::{FrameSource, QvgaFrame};
+use crate::runner;
+
+/// A box of 0.5 m at 2 m on a floor, or nothing at all.
+struct Toy {
+    empty: bool,
+}
+
+impl FrameSource for Toy {
+    fn len(&self) -> usize {
+        1
+    }
+
+    fn frame(&self, index: usize) -> Result<QvgaFrame, Error> {
+        let intrinsics = Intrinsics::PRIMESENSE_QVGA;
+        let depth = |i: usize| {
+            let (u, v) = (i % 320, i / 320);
+            let down = (v as f32 - intrinsics.cy) / intrinsics.fy;
+            let floor = if down > 0.0 { 1.0 / down } else { f32::INFINITY };
+            let object = (120..200).contains(&u) && v > 120 && floor > 2.0;
+            let z = if object { 2.0 } else { floor };
+            if z < 8.0 && !self.empty { (z * 1000.0) as u16 } else { 0 }
+        };
+        let depth = (0..320 * 240).map(depth).collect();
+        let (stamp, name, factor) = (0.5, "toy".to_owned(), 1);
+        Ok(QvgaFrame { index, stamp, name, depth, colour: None, intrinsics, factor, original_size: (320, 240) })
+    }
+}
+
+fn drawn(toy: &Toy) -> (FrameReport, Canvas) {
+    let set = Templates::parse(crate::templates::EMBEDDED).unwrap();
+    let params = Params { view: *set.view_params(), ..Params::DEFAULT };
+    let result = Mutex::new(None);
+    let look = |p: &Processed<'_>| Ok(draw(p, &toy.original(0)?, &set));
+    let sink = |_: usize, r: Result<runner::FrameResult<Canvas>, Error>| {
+        *result.lock().unwrap() = Some(r?);
+        Ok::<_, Error>(true)
+    };
+    runner::run(toy, &params, &set, 1, look, sink).unwrap();
+    let result = result.into_inner().unwrap().unwrap();
+    (result.report, result.extra)
+}
+
+fn count(canvas: &Canvas, colour: Rgb888, columns: std::ops::Range<usize>) -> usize {
+    let pixels = canvas.pixels().as_chunks::<3>().0;
+    let width = SIZE.0 as usize;
+    let same =
+        |(i, p): &(usize, &[u8; 3])| columns.contains(&(i % width)) && **p == [colour.r(), colour.g(), colour.b()];
+    pixels.iter().enumerate().filter(same).count()
+}
+
+#[test]
+fn a_candidate_has_its_colour_on_both_sides() {
+    let (report, canvas) = drawn(&Toy { empty: false });
+    assert_eq!(report.detections.len(), 1, "{report:?}");
+    assert_eq!(canvas.dimensions(), SIZE);
+    assert!(count(&canvas, COLOURS[0], 0..640) > 300);
+    assert!(count(&canvas, COLOURS[0], 640..1152) > 100);
+    assert_eq!(count(&canvas, COLOURS[1], 0..1152), 0);
+    let decoded = image::load_from_memory(&canvas.to_png().unwrap()).unwrap().into_rgb8();
+    assert_eq!(decoded.as_raw(), canvas.pixels());
+}
+
+#[test]
+fn a_frame_without_a_floor_says_so_and_nothing_more() {
+    let (report, canvas) = drawn(&Toy { empty: true });
+    assert!(report.floor.is_none() && report.detections.is_empty());
+    assert_eq!(COLOURS.iter().map(|c| count(&canvas, *c, 0..1152)).sum::<usize>(), 0);
+}
