@@ -43,6 +43,14 @@ pub struct Recording {
     warned_range: AtomicBool,
 }
 
+/// A frame's images as they are in the files.
+struct Decoded {
+    /// The depth image.
+    path: PathBuf,
+    raw: image::Pixels<u16>,
+    colour: Option<Vec<u8>>,
+}
+
 impl Recording {
     /// Opens a folder: with `associations.txt`, or `depth.txt` (with or without `rgb.txt`), or the sub-folders `depth`
     /// and `rgb` (or `color`) with equally many images, taken in the order of their names at 30 frames per second.
@@ -105,14 +113,14 @@ impl Recording {
     }
 
     /// Decodes a frame's images: the raw depth, and the colour of the same size.
-    fn decode(&self, entry: &Entry) -> Result<(PathBuf, image::Pixels<u16>, Option<Vec<u8>>), Error> {
+    fn decode(&self, entry: &Entry) -> Result<Decoded, Error> {
         let path = self.folder.join(&entry.depth);
         let raw = image::read_depth(&path)?;
-        let Some(name) = &entry.colour else { return Ok((path, raw, None)) };
+        let Some(name) = &entry.colour else { return Ok(Decoded { path, raw, colour: None }) };
         let colour_path = self.folder.join(name);
         let colour = image::read_colour(&colour_path)?;
         if (colour.width, colour.height) == (raw.width, raw.height) {
-            return Ok((path, raw, Some(colour.values)));
+            return Ok(Decoded { path, raw, colour: Some(colour.values) });
         }
         Err(Error::PairSizes {
             colour: colour_path,
@@ -123,7 +131,7 @@ impl Recording {
     }
 
     fn read(&self, index: usize, entry: &Entry) -> Result<QvgaFrame, Error> {
-        let (path, raw, colour) = self.decode(entry)?;
+        let Decoded { path, raw, colour } = self.decode(entry)?;
         let original_size = (raw.width, raw.height);
         let factor = reduce::factor(&path, original_size)?;
         let intrinsics = self.camera.for_image(&path, original_size)?;
@@ -191,7 +199,7 @@ impl FrameSource for Recording {
 
     fn original(&self, index: usize) -> Result<Original, Error> {
         let entry = self.entries.get(index).ok_or(Error::FrameIndex { index, len: self.entries.len() })?;
-        let (_, raw, colour) = self.decode(entry).map_err(|cause| self.listed(entry, cause))?;
+        let Decoded { raw, colour, .. } = self.decode(entry).map_err(|cause| self.listed(entry, cause))?;
         let depth = raw.values.iter().map(|&value| self.scale.to_mm(value)).collect();
         Ok(Original { size: (raw.width, raw.height), depth, colour })
     }

@@ -1,5 +1,6 @@
 use std::sync::Mutex;
 
+use embedded_graphics::pixelcolor::RgbColor;
 use pldi_core::Intrinsics;
 use pldi_core::pipeline::Params;
 use pldi_core::templates::Templates;
@@ -9,7 +10,7 @@ use crate::Error;
 use crate::input::{FrameSource, QvgaFrame};
 use crate::runner;
 
-/// A box of 0.5 m at 2 m on a floor, or nothing at all.
+/// A box at 3 m on a floor before a wall at 5 m, or nothing at all.
 struct Toy {
     empty: bool,
 }
@@ -25,9 +26,9 @@ impl FrameSource for Toy {
             let (u, v) = (i % 320, i / 320);
             let down = (v as f32 - intrinsics.cy) / intrinsics.fy;
             let floor = if down > 0.0 { 1.0 / down } else { f32::INFINITY };
-            let object = (120..200).contains(&u) && v > 120 && floor > 2.0;
-            let z = if object { 2.0 } else { floor };
-            if z < 8.0 && !self.empty { (z * 1000.0) as u16 } else { 0 }
+            let object = (120..200).contains(&u) && v > 120 && floor > 3.0;
+            let z = if object { 3.0 } else { floor.min(5.0) };
+            if self.empty { 0 } else { (z * 1000.0) as u16 }
         };
         let depth = (0..320 * 240).map(depth).collect();
         let (stamp, name, factor) = (0.5, "toy".to_owned(), 1);

@@ -1,8 +1,48 @@
-//! `pldi inspect`: stub
+//! `pldi inspect`: what a recording is like.
+
+use std::io::{IsTerminal, Write};
+
+use anyhow::Context;
+use pldi_host::input::FrameSource;
+use pldi_host::inspect;
+
+use crate::args::Input;
+use crate::progress;
+
+/// Options of `pldi inspect`.
 #[derive(Debug, clap::Args)]
-pub struct Inspect {}
+pub struct Inspect {
+    #[command(flatten)]
+    input: Input,
+    /// Look at so many frames, evenly spread
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..))]
+    frames: u16,
+    /// JSON in place of a table
+    #[arg(long)]
+    json: bool,
+}
+
 impl Inspect {
+    /// Runs the command.
     pub fn run(&self) -> anyhow::Result<()> {
+        let recording = self.input.open()?;
+        let frames = usize::from(self.frames);
+        let bar = std::io::stderr().is_terminal().then(|| progress::bar(recording.len().min(frames) as u64));
+        let each = || {
+            if let Some(bar) = &bar {
+                bar.inc(1);
+            }
+            !progress::interrupted()
+        };
+        let summary = inspect::inspect(&recording, frames, each);
+        if let Some(bar) = &bar {
+            bar.finish_and_clear();
+        }
+        let summary = summary?;
+        let text = if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.to_string() };
+        std::io::stdout().lock().write_all(text.as_bytes()).context("cannot write to stdout")?;
+        let failed = summary.unreadable.len();
+        anyhow::ensure!(failed == 0, "{failed} of the {} frames looked at cannot be read", summary.looked_at);
         Ok(())
     }
 }
