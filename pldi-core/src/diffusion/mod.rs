@@ -6,6 +6,7 @@ pub mod normals;
 
 use crate::{Image, Rays, math};
 use eigen::dot;
+use normals::LANES;
 
 /// N is stored as an unsigned fraction: this value is 1.
 pub const ONE: u16 = u16::MAX;
@@ -22,12 +23,18 @@ pub fn diffusion<const W: usize, const H: usize>(
     n: &mut Image<u16, W, H>,
 ) {
     for (v, row) in n.iter_mut().enumerate() {
-        for (u, out) in row.iter_mut().enumerate() {
-            *out = 0;
-            if wanted(u, v)
-                && let Some(direction) = normals::direction(depth, rays, radius, u, v)
-            {
-                *out = cosine(direction, rays.point(u, v, 1.0));
+        for (block, out) in row.chunks_mut(LANES).enumerate() {
+            let u = block * LANES;
+            let mask: [bool; LANES] = core::array::from_fn(|i| u + i < W && wanted(u + i, v));
+            out.fill(0);
+            if !mask.contains(&true) {
+                continue;
+            }
+            let directions = normals::directions(depth, rays, radius, u, v);
+            for (i, out) in out.iter_mut().enumerate() {
+                if let (true, Some(direction)) = (mask[i], directions[i]) {
+                    *out = cosine(direction, rays.point(u + i, v, 1.0));
+                }
             }
         }
     }

@@ -1,108 +1,179 @@
-//! Surface normals by principal components within a fixed radius: the points within r_max of the pixel's own point,
-//! wherever in the window they are (paper, section 3: e_2 of the local point density).
+//! Surface normals by principal components within a fixed radius: the points within `r_max` of the pixel's own point,
+//! wherever in the window they are (paper, section 3: `e_2` of the local point density).
+//!
+//! Neighbouring pixels of a row are worked on side by side, because everything about the window's offset (dx, dy) is
+//! then a constant: with the ray (x, y, 1) of the centre at depth z, and a neighbour at depth z + b on the ray
+//! (x + dx, y + dy, 1), the neighbour lies at
+//!
+//! (a + x b, c + y b, b) from the centre, where a = dx (z + b) and c = dy (z + b).
+//!
+//! Only the moments of a and b need a sum per neighbour; those with c follow row by row. All sums are relative to the
+//! centre: sums about the origin would cancel (square millimetres at a distance of metres).
 
 use super::eigen::{self, Symmetric3};
 use crate::{Image, Rays, math};
 
-/// Sums run in this many lanes side by side: the same additions in the same order on every target, in vector registers
+/// Pixels that are worked on side by side: the same additions in the same order on every target, in vector registers
 /// where there are any.
-const LANES: usize = 4;
+pub const LANES: usize = 4;
 
-/// The direction of the normal at a pixel, of either sign and any length; `None` where the pixel has no depth, where
-/// fewer than three points lie within `radius` (metres), or where they lie on a line.
+/// One number for each of the pixels.
+type Lanes = [f32; LANES];
+
+/// The normals' directions, of either sign and any length, at the pixels `u..u + LANES` of row `v`.
+///
+/// `None` where a pixel lies outside of the image or has no depth (depths within the radius count as none), where fewer
+/// than three points lie within `radius` (metres), or where they lie on a line.
 #[inline]
-pub fn direction<const W: usize, const H: usize>(
+pub fn directions<const W: usize, const H: usize>(
     depth: &Image<f32, W, H>,
     rays: &Rays<W, H>,
     radius: f32,
     u: usize,
     v: usize,
-) -> Option<[f32; 3]> {
-    let z = *depth.get(v)?.get(u)?;
-    if z <= 0.0 {
-        return None;
+) -> [Option<[f32; 3]>; LANES] {
+    let (Some(row), Some(&y)) = (depth.get(v), rays.y().get(v)) else { return [None; LANES] };
+    // NaN is within no radius.
+    let centre = |i: usize| row.get(u + i).copied().filter(|z| *z > radius).unwrap_or(f32::NAN);
+    let z: Lanes = core::array::from_fn(centre);
+    let nearest = z.iter().fold(f32::INFINITY, |near, z| if *z < near { *z } else { near });
+    if nearest.is_infinite() {
+        return [None; LANES];
     }
-    let intrinsics = rays.intrinsics();
-    // A point within the radius is nearer to the camera than z by it at most: it is seen within this many pixels.
-    let reach = |f: f32| (math::floor(radius * f / z) + 1).clamp(1, 4096) as usize;
-    let (reach_x, reach_y) = (reach(intrinsics.fx), reach(intrinsics.fy));
-    let columns = u.saturating_sub(reach_x)..(u + reach_x + 1).min(W);
-    let rows = v.saturating_sub(reach_y)..(v + reach_y + 1).min(H);
-
-    let mut sums = Sums::new(rays.point(u, v, z), radius);
-    let x = rays.x().get(columns.clone())?;
-    for (row, &y) in depth.get(rows.clone())?.iter().zip(rays.y().get(rows)?) {
-        sums.add_row(row.get(columns.clone())?, x, y);
+    let k = rays.intrinsics();
+    // A point within the radius is seen within this many pixels, but for those much nearer to the camera.
+    let reach = |f: f32| (math::floor(radius * f / nearest) + 1).clamp(1, 4096) as usize;
+    let (reach_x, reach_y) = (reach(k.fx), reach(k.fy));
+    let mut window = Window {
+        z,
+        x: core::array::from_fn(|i| rays.x().get(u + i).copied().unwrap_or(0.0)),
+        radius2: radius * radius,
+        step: 1.0 / k.fx,
+        sums: Sums::default(),
+    };
+    let first = v.saturating_sub(reach_y);
+    let rows = depth.iter().zip(rays.y()).take(v + reach_y + 1).skip(first);
+    for (line, &y_there) in rows {
+        window.add_row(line, u, reach_x, y_there, y_there - y);
     }
-    eigen::least_direction(&sums.covariance()?)
+    core::array::from_fn(|i| {
+        let y_centre = y;
+        eigen::least_direction(&window.sums.covariance(i, window.x[i], y_centre)?)
+    })
 }
 
-/// Sums over the points within the radius, relative to the centre (sums about the origin would cancel: a covariance
-/// of square millimetres at a distance of metres).
-struct Sums {
-    centre: [f32; 3],
+/// The centres and what is summed over their neighbours.
+struct Window {
+    z: Lanes,
+    x: Lanes,
     radius2: f32,
-    count: [f32; LANES],
-    first: [[f32; LANES]; 3],
-    second: [[f32; LANES]; 6],
+    /// Difference of x between neighbouring columns.
+    step: f32,
+    sums: Sums,
+}
+
+/// Sums over the neighbours: count, first and second moments of (a, b, c).
+#[derive(Default)]
+struct Sums {
+    n: Lanes,
+    a: Lanes,
+    b: Lanes,
+    c: Lanes,
+    aa: Lanes,
+    ab: Lanes,
+    ac: Lanes,
+    bb: Lanes,
+    bc: Lanes,
+    cc: Lanes,
+}
+
+/// The same for one row of the window, without c.
+#[derive(Default)]
+struct RowSums {
+    n: Lanes,
+    a: Lanes,
+    b: Lanes,
+    aa: Lanes,
+    ab: Lanes,
+    bb: Lanes,
+}
+
+impl Window {
+    /// Adds the neighbours in a row at y = `y`, `dy` from the centres' row.
+    #[inline(always)]
+    fn add_row<const W: usize>(&mut self, line: &[f32; W], u: usize, reach: usize, y: f32, dy: f32) {
+        let mut row = RowSums::default();
+        // Offsets at which all lanes are inside of the image, and those at which some are not.
+        let left = u.min(reach);
+        let right = (W.saturating_sub(u + LANES)).min(reach);
+        for d in (left + 1..=reach).map(|d| -(d as i32)).chain((right + 1..=reach).map(|d| d as i32)) {
+            let there = |i: usize| line.get((u + i).wrapping_add_signed(d as isize)).copied().unwrap_or(0.0);
+            self.add(&mut row, core::array::from_fn(there), d as f32, y, dy);
+        }
+        let span = line.get(u - left..(u + right + LANES).min(W)).unwrap_or(&[]);
+        let mut d = -(left as f32);
+        for there in span.array_windows::<LANES>() {
+            self.add(&mut row, *there, d, y, dy);
+            d += 1.0;
+        }
+        self.sums.add(&row, &self.z, dy);
+    }
+
+    /// Adds the neighbours `offset` columns to the right, at depths `there`.
+    #[inline(always)]
+    fn add(&self, row: &mut RowSums, there: Lanes, offset: f32, y: f32, dy: f32) {
+        let dx = offset * self.step;
+        for i in 0..LANES {
+            let z = there[i];
+            let (a, b) = (dx * z, z - self.z[i]);
+            // c + y_centre b = dy z_centre + (y_centre + dy) b
+            let (p, q) = (a + self.x[i] * b, dy * self.z[i] + y * b);
+            // A missing depth is 0: then b is -z, which is beyond the radius.
+            let near = p * p + q * q + b * b <= self.radius2;
+            let (a, b) = (if near { a } else { 0.0 }, if near { b } else { 0.0 });
+            row.n[i] += if near { 1.0 } else { 0.0 };
+            row.a[i] += a;
+            row.b[i] += b;
+            row.aa[i] += a * a;
+            row.ab[i] += a * b;
+            row.bb[i] += b * b;
+        }
+    }
 }
 
 impl Sums {
-    fn new(centre: [f32; 3], radius: f32) -> Self {
-        Self {
-            centre,
-            radius2: radius * radius,
-            count: [0.0; LANES],
-            first: [[0.0; LANES]; 3],
-            second: [[0.0; LANES]; 6],
-        }
-    }
-
-    /// Adds a row's points: depths `z` on the rays (x, y, 1).
+    /// Adds a row, whose neighbours all have c = dy (z + b).
     #[inline(always)]
-    fn add_row(&mut self, z: &[f32], x: &[f32], y: f32) {
-        let (z, z_rest) = z.as_chunks::<LANES>();
-        let (x, x_rest) = x.as_chunks::<LANES>();
-        for (z, x) in z.iter().zip(x) {
-            self.add(z, x, y);
-        }
-        if !z_rest.is_empty() {
-            let (mut z, mut x) = ([0.0; LANES], [0.0; LANES]);
-            z.iter_mut().zip(z_rest).for_each(|(to, from)| *to = *from);
-            x.iter_mut().zip(x_rest).for_each(|(to, from)| *to = *from);
-            self.add(&z, &x, y);
-        }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, z: &[f32; LANES], x: &[f32; LANES], y: f32) {
+    fn add(&mut self, row: &RowSums, z: &Lanes, dy: f32) {
         for i in 0..LANES {
-            let d = [x[i] * z[i] - self.centre[0], y * z[i] - self.centre[1], z[i] - self.centre[2]];
-            let near = z[i] > 0.0 && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= self.radius2;
-            let d = d.map(|d| if near { d } else { 0.0 });
-            self.count[i] += if near { 1.0 } else { 0.0 };
-            for k in 0..3 {
-                self.first[k][i] += d[k];
-            }
-            self.second[0][i] += d[0] * d[0];
-            self.second[1][i] += d[0] * d[1];
-            self.second[2][i] += d[0] * d[2];
-            self.second[3][i] += d[1] * d[1];
-            self.second[4][i] += d[1] * d[2];
-            self.second[5][i] += d[2] * d[2];
+            let (n, a, b) = (row.n[i], row.a[i], row.b[i]);
+            self.n[i] += n;
+            self.a[i] += a;
+            self.b[i] += b;
+            self.aa[i] += row.aa[i];
+            self.ab[i] += row.ab[i];
+            self.bb[i] += row.bb[i];
+            let (zn, zb) = (z[i] * n + b, z[i] * b + row.bb[i]);
+            self.c[i] += dy * zn;
+            self.ac[i] += dy * (z[i] * a + row.ab[i]);
+            self.bc[i] += dy * zb;
+            self.cc[i] += dy * dy * (z[i] * (zn + b) + row.bb[i]);
         }
     }
 
-    /// The covariance in m^2; `None` for fewer than three points.
-    fn covariance(&self) -> Option<Symmetric3> {
-        let total = |lanes: &[f32; LANES]| (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
-        let count = total(&self.count);
-        if count < 3.0 {
+    /// The covariance (m^2) of the neighbours of pixel `i`, whose ray is (x, y, 1); `None` for fewer than three.
+    #[inline(always)]
+    fn covariance(&self, i: usize, x: f32, y: f32) -> Option<Symmetric3> {
+        // Written so that NaN fails the test.
+        if !(self.n[i] >= 3.0) {
             return None;
         }
-        let scale = 1.0 / count;
-        let [x, y, z] = [0, 1, 2].map(|k| total(&self.first[k]) * scale);
-        let means = [x * x, x * y, x * z, y * y, y * z, z * z];
-        Some(core::array::from_fn(|k| total(&self.second[k]) * scale - means[k]))
+        let s = 1.0 / self.n[i];
+        let (a, b, c) = (self.a[i] * s, self.b[i] * s, self.c[i] * s);
+        let (aa, ab, ac) = (self.aa[i] * s - a * a, self.ab[i] * s - a * b, self.ac[i] * s - a * c);
+        let (bb, bc, cc) = (self.bb[i] * s - b * b, self.bc[i] * s - b * c, self.cc[i] * s - c * c);
+        // Back from (a, b, c) to (a + x b, c + y b, b).
+        let (xb, yb) = (ab + x * bb, bc + y * bb);
+        Some([aa + x * (ab + xb), ac + x * bc + y * (ab + x * bb), xb, cc + y * (bc + yb), yb, bb])
     }
 }

@@ -8,8 +8,9 @@
 
 use crate::{FloorAxes, Intrinsics, math};
 
-/// Distance of pi_f from the camera along the floor, in metres: the centre of the default sensory area (0.5 m to 4 m).
-pub const FRONTAL_DISTANCE: f32 = 2.25;
+/// Distance of pi_f from the camera along the floor, in metres: that of the templates' ring (paper, section 6.1), and about
+/// the centre of the sensory area.
+pub const FRONTAL_DISTANCE: f32 = 2.0;
 
 /// A 3x3 matrix, row by row, that acts on homogeneous coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,10 +107,10 @@ mod tests {
         let h = Homography::view_to_plane(1.2, 0.5);
         let [s, t] = h.apply(0.0, 0.0).unwrap();
         assert!(s.abs() < 1e-6 && (t - 0.5).abs() < 1e-6);
-        // A level camera sees a metre on pi_f under 1 / 2.25.
+        // A level camera sees a metre on pi_f under 1 / 2.
         let level = Homography::view_to_plane(1.2, 1.2).inverse().unwrap();
         let [x, y] = level.apply(1.0, 2.2).unwrap();
-        assert!((x - 1.0 / 2.25).abs() < 1e-6 && (y + 1.0 / 2.25).abs() < 1e-6);
+        assert!((x - 1.0 / 2.0).abs() < 1e-6 && (y + 1.0 / 2.0).abs() < 1e-6);
         let both = h.after(&level).apply(1.0, 2.2).unwrap();
         let one = h.apply(x, y).unwrap();
         assert!((both[0] - one[0]).abs() < 1e-5 && (both[1] - one[1]).abs() < 1e-5);

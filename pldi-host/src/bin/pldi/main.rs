@@ -4,6 +4,7 @@
 //! 130 interrupted.
 
 mod args;
+mod bench;
 mod describe;
 mod inspect;
 mod progress;
@@ -42,6 +43,8 @@ enum Command {
     /// Make template sets from meshes, show them, try them
     #[command(subcommand)]
     Templates(templates::Templates),
+    /// Time each stage on one thread
+    Bench(bench::Bench),
     /// Try the templates on generated recordings with truth
     Trial(trial::Trial),
 }
@@ -67,6 +70,7 @@ fn main() -> ExitCode {
         Command::Describe(command) => command.run(),
         Command::Match(command) => command.run(),
         Command::Templates(command) => command.run(),
+        Command::Bench(command) => command.run(),
         Command::Trial(command) => command.run(),
     };
     match result {
