@@ -105,7 +105,7 @@ mod tests {
     fn results_come_in_order_for_any_number_of_threads() {
         for threads in [1, 2, 7] {
             let slow_first = |(): &mut (), i: usize| {
-                std::thread::sleep(std::time::Duration::from_micros(if i % 5 == 0 { 900 } else { 10 }));
+                std::thread::sleep(std::time::Duration::from_micros(if i.is_multiple_of(5) { 900 } else { 10 }));
                 Ok::<_, ()>(i * i)
             };
             let squares = map_ordered(100, threads, || (), slow_first).unwrap();

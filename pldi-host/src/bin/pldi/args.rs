@@ -24,7 +24,7 @@ pub struct Input {
     #[arg(long, value_name = "SCALE", default_value = "mm")]
     depth_scale: DepthScale,
     /// Intrinsics in pixels, in place of camera_info.yaml: fx,fy,cx,cy, with @WxH where they are for another size
-    #[arg(long, value_name = "FX,FY,CX,CY[@WxH]", value_parser = intrinsics)]
+    #[arg(long, value_name = "FX,FY,CX,CY[@WxH]", value_parser = intrinsics, allow_hyphen_values = true)]
     intrinsics: Option<IntrinsicsSpec>,
     /// Calibration file in place of the folder's camera_info.yaml
     #[arg(long, value_name = "FILE")]

@@ -1,0 +1,253 @@
+//! The other commands: stages, describe, match, templates, inspect.
+
+mod common;
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use common::{copy, folder, names, pldi, real_recordings, recording};
+use pldi_core::matching::canberra;
+use pldi_core::templates::Templates;
+use serde_json::Value;
+
+fn read_json(path: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
+}
+
+#[test]
+fn stages_writes_all_files_and_its_descriptors_are_those_of_the_views() {
+    let out = folder();
+    let written = out.path().join("stages");
+    pldi(arguments!["stages", *recording(), "--frame", "1", "--out", written]).ok();
+    let candidates = read_json(&written.join("candidates.json"));
+    let mut expected: Vec<String> =
+        ["candidates.json", "clusters.png", "filtered.png", "map.png", "n.png"].map(str::to_owned).to_vec();
+    let mut seen = 0;
+    for cluster in candidates["clusters"].as_array().unwrap().iter().filter(|c| c["candidate"] == true) {
+        let id = &cluster["cluster"];
+        expected.extend([format!("view_{id}.png"), format!("dwt_{id}.f32"), format!("descriptor_{id}.json")]);
+        let dwt = std::fs::metadata(written.join(format!("dwt_{id}.f32"))).unwrap();
+        assert_eq!(dwt.len(), 4 * 128 * 128);
+        let descriptors = read_json(&written.join(format!("descriptor_{id}.json")));
+        for kind in ["paper", "halves"] {
+            let view = written.join(format!("view_{id}.png"));
+            let described = pldi(arguments!["describe", view, "--descriptor", kind]).ok().json();
+            assert_eq!(described["descriptor"], kind);
+            assert_eq!(described["values"], descriptors[kind], "{kind} {id}");
+        }
+        seen += 1;
+    }
+    expected.sort();
+    assert_eq!(names(&written), expected);
+    assert!(seen > 0);
+    let size = |name: &str| image::image_dimensions(written.join(name)).unwrap();
+    assert_eq!([size("filtered.png"), size("n.png"), size("clusters.png")], [(320, 240); 3]);
+    assert_eq!(size("map.png"), (256, 208));
+}
+
+#[test]
+fn match_measures_descriptors() {
+    let out = folder();
+    let stages = |frame: &str| {
+        let to = out.path().join(frame);
+        pldi(arguments!["stages", *recording(), "--frame", frame, "--out", to]).ok();
+        let view = names(&to).into_iter().find(|n| n.starts_with("view_")).expect("a candidate");
+        to.join(view)
+    };
+    let describe = |view: &Path, kind: &str, to: &str| {
+        let file = out.path().join(to);
+        std::fs::write(&file, pldi(arguments!["describe", view, "--descriptor", kind]).ok().stdout).unwrap();
+        file
+    };
+    let (first, second) = (stages("0"), stages("2"));
+    let a = describe(&first, "halves", "a.json");
+    let b = describe(&second, "halves", "b.json");
+    let paper = describe(&second, "paper", "paper.json");
+    assert_eq!(pldi(arguments!["match", a, a]).ok().json()["distance"].as_f64(), Some(0.0));
+    let distance = pldi(arguments!["match", a, b]).ok().json()["distance"].as_f64().unwrap();
+    assert!(distance > 0.0 && distance <= 58.0);
+    assert_eq!(pldi(arguments!["match", b, a]).ok().json()["distance"].as_f64(), Some(distance));
+    let outcome = pldi(arguments!["match", a, paper]);
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("cannot be compared"), "{}", outcome.stderr);
+    let outcome = pldi(arguments!["match", a, first]);
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("view_"), "{}", outcome.stderr);
+    let outcome = pldi(arguments!["describe", a]);
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("a.json"), "{}", outcome.stderr);
+}
+
+/// A shelf-like solid (not the same from any two sides) as corners and triangles, in metres, z up.
+fn solid() -> (Vec<[f32; 3]>, Vec<[usize; 3]>) {
+    let boxes = [([-0.3, -0.2, 0.0], [0.3, 0.2, 0.35]), ([-0.3, -0.2, 0.35], [-0.1, 0.2, 0.9])];
+    let (mut corners, mut triangles) = (Vec::new(), Vec::new());
+    for (low, high) in boxes {
+        let first = corners.len();
+        for i in 0..8 {
+            corners.push([0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] }));
+        }
+        for quad in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+            let [a, b, c, d] = quad.map(|i| first + i);
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    (corners, triangles)
+}
+
+fn off() -> String {
+    let (corners, triangles) = solid();
+    let mut text = format!("OFF\n{} {} 0\n", corners.len(), triangles.len());
+    for [x, y, z] in corners {
+        writeln!(text, "{x} {y} {z}").unwrap();
+    }
+    for [a, b, c] in triangles {
+        writeln!(text, "3 {a} {b} {c}").unwrap();
+    }
+    text
+}
+
+/// With y up, as most OBJ files.
+fn obj() -> String {
+    let (corners, triangles) = solid();
+    let mut text = String::new();
+    for [x, y, z] in corners {
+        writeln!(text, "v {x} {z} {}", -y).unwrap();
+    }
+    for [a, b, c] in triangles {
+        writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
+    }
+    text
+}
+
+/// In millimetres, as most STL files.
+fn stl() -> String {
+    let (corners, triangles) = solid();
+    let mut text = "solid shelf\n".to_owned();
+    for triangle in triangles {
+        text += "facet normal 0 0 0\nouter loop\n";
+        for [x, y, z] in triangle.map(|i| corners[i].map(|c| 1000.0 * c)) {
+            writeln!(text, "vertex {x} {y} {z}").unwrap();
+        }
+        text += "endloop\nendfacet\n";
+    }
+    text + "endsolid shelf\n"
+}
+
+#[test]
+fn templates_come_from_meshes_of_any_format() {
+    let out = folder();
+    let build = |name: &str, text: String, more: &[&str]| {
+        let (mesh, set) = (out.path().join(name), out.path().join(format!("{name}.pldt")));
+        std::fs::write(&mesh, text).unwrap();
+        let mut line = arguments!["templates", "build", mesh, "-o", set, "--class", "shelf"].to_vec();
+        line.extend(["--views", "5", "--noise-free"].iter().chain(more).map(Into::into));
+        pldi(line).ok();
+        let info = pldi(arguments!["templates", "info", set]).ok();
+        let info = String::from_utf8(info.stdout).unwrap();
+        assert!(info.contains("shelf") && info.contains("5 templates of 1 objects in 1 classes"), "{info}");
+        std::fs::read(set).unwrap()
+    };
+    let sets = [
+        build("shelf.off", off(), &[]),
+        build("shelf.obj", obj(), &["--up", "y"]),
+        build("shelf.stl", stl(), &["--unit", "mm"]),
+    ];
+    let parsed: Vec<_> = sets.iter().map(|bytes| Templates::parse(bytes).unwrap()).collect();
+    for view in 0..5 {
+        let descriptor = |set: usize| parsed[set].iter().nth(view).unwrap().descriptor();
+        // The same solid, but for rounding; another side of it is far away.
+        assert!(canberra(&descriptor(0), &descriptor(1)) < 1.0, "obj, view {view}");
+        assert!(canberra(&descriptor(0), &descriptor(2)) < 1.0, "stl, view {view}");
+        let other = parsed[0].iter().nth((view + 1) % 5).unwrap().descriptor();
+        assert!(canberra(&descriptor(0), &other) > 2.0, "view {view}");
+    }
+    let file = out.path().join("shelf.off.pldt");
+    let lines = pldi(arguments!["run", *recording(), "--templates", file]).ok().lines();
+    let results = lines.iter().flat_map(|l| l["detections"].as_array().unwrap()).map(|d| &d["results"]);
+    assert!(results.clone().count() > 0);
+    for result in results {
+        assert_eq!(result.as_array().unwrap().len(), 1);
+        assert_eq!((&result[0]["class_id"], &result[0]["object"]), (&"shelf".into(), &"shelf".into()));
+    }
+    let cut = out.path().join("cut.off");
+    std::fs::write(&cut, &off()[..100]).unwrap();
+    let outcome = pldi(arguments!["templates", "build", cut, "-o", out.path().join("none.pldt"), "--class", "x"]);
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("cut.off"), "{}", outcome.stderr);
+    assert!(!out.path().join("none.pldt").exists());
+}
+
+#[test]
+fn inspect_tells_what_a_recording_is_like() {
+    let summary = pldi(arguments!["inspect", *recording(), "--json"]).ok().json();
+    assert_eq!((&summary["frames"], &summary["looked_at"], &summary["floors"]), (&3.into(), &3.into(), &3.into()));
+    assert_eq!(summary["sizes"], serde_json::json!([{ "width": 640, "height": 480, "factor": 2 }]));
+    assert!((summary["timing"]["rate"].as_f64().unwrap() - 5.0).abs() < 1e-6);
+    assert!((summary["height"][1].as_f64().unwrap() - 1.2).abs() < 0.05);
+    assert!((summary["pitch"][1].as_f64().unwrap() - 17.2).abs() < 2.0);
+    assert_eq!(summary["registration"]["verdict"], "registered", "{summary}");
+    let table = String::from_utf8(pldi(arguments!["inspect", *recording(), "--frames", "2"]).ok().stdout).unwrap();
+    for part in ["3, looked at 2", "640x480", "camera_info.yaml", "fx 571.26", "registered", "found in 2 of 2"] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    let copy = copy();
+    std::fs::write(copy.path().join("depth/0001.png"), b"").unwrap();
+    let outcome = pldi(arguments!["inspect", copy.path(), "--json"]);
+    assert_eq!((outcome.code, outcome.json()["unreadable"][0]["frame"].as_u64()), (Some(1), Some(1)));
+}
+
+/// Moves the depth images of a copy by some columns: they then lie `columns` to the left of the colour.
+#[test]
+fn inspect_notices_depth_that_is_not_registered() {
+    let copy = copy();
+    for i in 0..3 {
+        let path = copy.path().join(format!("depth/{i:04}.png"));
+        let ((width, height), mut depth) = pldi_host::output::png::read_grey16(&path).unwrap();
+        for line in depth.chunks_exact_mut(usize::from(width)) {
+            line.rotate_left(9);
+        }
+        pldi_host::output::png::write_grey16(&path, (width.into(), height.into()), &depth).unwrap();
+    }
+    let registration = pldi(arguments!["inspect", copy.path(), "--json"]).ok().json()["registration"].clone();
+    assert_eq!(registration["verdict"], "off", "{registration}");
+    let [dx, dy] = [0, 1].map(|k| registration["shift"][k].as_i64().unwrap());
+    assert!((dx - 9).abs() <= 2 && dy.abs() <= 2, "{registration}");
+}
+
+#[test]
+fn real_recordings_fit_what_is_known_about_them() {
+    let Some(recordings) = real_recordings() else { return };
+    let verdict = |name: &str| {
+        let outcome = pldi(arguments!["inspect", recordings.join(name), "--json"]).ok();
+        outcome.json()["registration"]["verdict"].clone()
+    };
+    for name in ["armchair", "classroom", "office_boxes", "lounge", "tabletop"] {
+        assert_eq!(verdict(name), "registered", "{name}");
+    }
+    assert_ne!(verdict("kitchen"), "registered");
+    assert!(verdict("depth_only").is_null());
+}
+
+#[test]
+fn labelled_objects_of_real_recordings_are_in_clusters() {
+    let Some(recordings) = real_recordings() else { return };
+    let truth = read_json(&recordings.join("truth.json"));
+    for (frame, objects) in truth.as_object().unwrap().iter().filter(|(key, _)| key.contains('/')) {
+        let (name, number) = frame.split_once('/').unwrap();
+        let out = folder();
+        let number = number.trim_start_matches('0');
+        let number = if number.is_empty() { "0" } else { number };
+        pldi(arguments!["stages", recordings.join(name), "--frame", number, "--out", out.path()]).ok();
+        let clusters = image::open(out.path().join("clusters.png")).unwrap().into_luma8();
+        let mut found = Vec::new();
+        for object in objects.as_array().unwrap() {
+            let [u, v] = ["u", "v"].map(|k| object[k].as_u64().unwrap() as u32 / 2);
+            let cluster = clusters.get_pixel(u, v).0[0];
+            assert_ne!(cluster, 0, "{frame}: {object} is in no cluster");
+            found.push(cluster);
+        }
+        if name == "office_boxes" {
+            // Box, chair, book and, in frame 1, a bottle: each on its own.
+            found.sort_unstable();
+            found.dedup();
+            assert_eq!(found.len(), objects.as_array().unwrap().len(), "{frame}");
+        }
+    }
+}
