@@ -1,23 +1,23 @@
 #![cfg_attr(not(test), no_std)]
 #![deny(unsafe_code)]
-//! Recognise furniture-sized objects from one RGB-D frame.
+#![doc = include_str!("../README.md")]
 
 mod error;
 
 pub mod math;
-// In the order of the data's way.
-pub mod descriptor;
-pub mod diffusion;
-pub mod floor;
+// In the order of the data's way; modules import only upwards.
 pub mod frame;
-pub mod ground;
-pub mod matching;
-pub mod pipeline;
 pub mod rays;
 pub mod reconstruct;
-pub mod templates;
+pub mod floor;
+pub mod ground;
+pub mod diffusion;
 pub mod view;
 pub mod wavelet;
+pub mod descriptor;
+pub mod templates;
+pub mod matching;
+pub mod pipeline;
 
 pub use error::{Error, TemplateError};
 pub use floor::{Floor, FloorAxes};

@@ -16,6 +16,7 @@ pub const LEVELS: usize = 7;
 pub type Plane = [[f32; SIZE]; SIZE];
 
 /// The scaling filter of Daubechies' wavelet with 8 taps (4 vanishing moments).
+#[expect(clippy::excessive_precision, reason = "as published")]
 const LOW: [f32; 8] = [
     0.230_377_813_308_896_5,
     0.714_846_570_552_915_7,

@@ -94,6 +94,8 @@ pub struct Frontal {
     pub centre: [f32; 2],
     /// Half of its side in view coordinates.
     pub half: f32,
+    /// First column, first row, last column, last row of the object's pixels.
+    pub bbox: [u16; 4],
 }
 
 /// The frontal view of the pixels that carry `label` within `bbox` (first column, first row, last column, last row).
@@ -113,7 +115,7 @@ pub fn frontal<const W: usize, const H: usize>(
     if let Framing::Metric { side } = framing {
         let view_to_plane = Homography::view_to_plane(height, 0.5 * side);
         let half = 0.5 * side / super::homography::FRONTAL_DISTANCE;
-        return Some(Frontal { to_image: plane_to_image.after(&view_to_plane), centre: [0.0; 2], half });
+        return Some(Frontal { to_image: plane_to_image.after(&view_to_plane), centre: [0.0; 2], half, bbox });
     }
     let pixels = Pixels { labels, label, bbox };
     let middle = pixels.mean(&plane_to_image.inverse()?)?;
@@ -122,7 +124,7 @@ pub fn frontal<const W: usize, const H: usize>(
     let centre = pixels.mean(&to_view)?;
     let mut half = 0.0f32;
     pixels.each(&to_view, |p| half = half.max((p[0] - centre[0]).abs()).max((p[1] - centre[1]).abs()));
-    Some(Frontal { to_image, centre, half: half + pixel })
+    Some(Frontal { to_image, centre, half: half + pixel, bbox })
 }
 
 /// The pixels of one object.

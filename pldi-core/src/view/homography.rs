@@ -57,7 +57,10 @@ impl Homography {
     #[inline(always)]
     pub fn apply(&self, x: f32, y: f32) -> Option<[f32; 2]> {
         let [u, v, w] = self.0.map(|r| r[0] * x + r[1] * y + r[2]);
-        (w > 1e-9).then(|| [u / w, v / w])
+        (w > 1e-9).then(|| {
+            let s = 1.0 / w;
+            [u * s, v * s]
+        })
     }
 
     /// The inverse map, scaled so that points seen by the camera keep a positive third coordinate; `None` where there

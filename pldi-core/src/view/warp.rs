@@ -18,10 +18,17 @@ pub fn warp<const W: usize, const H: usize>(
 ) {
     let step = 2.0 * frontal.half / SIZE as f32;
     let offset = |i: usize| (i as f32 + 0.5 - SIZE as f32 / 2.0) * step;
+    let [left, top, right, bottom] = frontal.bbox.map(f32::from);
     for (j, row) in view.iter_mut().enumerate() {
         for (i, out) in row.iter_mut().enumerate() {
             let at = frontal.to_image.apply(frontal.centre[0] + offset(i), frontal.centre[1] + offset(j));
-            *out = at.map_or(0, |[u, v]| sample(n, labels, label, u, v));
+            // Beside the object's pixels there is nothing to interpolate. Written so that NaN is beside them.
+            *out = match at {
+                Some([u, v]) if u > left - 1.0 && v > top - 1.0 && u < right + 1.0 && v < bottom + 1.0 => {
+                    sample(n, labels, label, u, v)
+                }
+                _ => 0,
+            };
         }
     }
 }
@@ -35,10 +42,6 @@ fn sample<const W: usize, const H: usize>(
     u: f32,
     v: f32,
 ) -> u16 {
-    // Written so that NaN is outside.
-    if !(u > -1.0 && v > -1.0 && u < W as f32 && v < H as f32) {
-        return 0;
-    }
     let (column, row) = (math::floor(u), math::floor(v));
     let (a, b) = (u - column as f32, v - row as f32);
     let at = |dx: i32, dy: i32| {
