@@ -75,6 +75,27 @@ fn match_measures_descriptors() {
     assert!(outcome.code == Some(1) && outcome.stderr.contains("a.json"), "{}", outcome.stderr);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error_and_no_panic() {
+    let descriptor = folder();
+    let file = descriptor.path().join("a.json");
+    let values = vec!["0.5"; 58].join(",");
+    std::fs::write(&file, format!("{{\"descriptor\":\"halves\",\"values\":[{values}]}}")).unwrap();
+    for line in [
+        arguments!["templates", "info"].to_vec(),
+        arguments!["match", file, file].to_vec(),
+        arguments!["inspect", *recording()].to_vec(),
+        arguments!["run", *recording()].to_vec(),
+    ] {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = common::command().args(&line).stdout(full).stderr(std::process::Stdio::piped()).output().unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{line:?}: {stderr}");
+        assert!(stderr.contains("cannot write to stdout") && !stderr.contains("panicked"), "{line:?}: {stderr}");
+    }
+}
+
 /// A shelf-like solid (not the same from any two sides) as corners and triangles, in metres, z up.
 fn solid() -> (Vec<[f32; 3]>, Vec<[usize; 3]>) {
     let boxes = [([-0.3, -0.2, 0.0], [0.3, 0.2, 0.35]), ([-0.3, -0.2, 0.35], [-0.1, 0.2, 0.9])];

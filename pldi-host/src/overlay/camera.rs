@@ -16,6 +16,9 @@ pub(super) const HEIGHT: u32 = 480;
 /// Pixels of this part per pixel of the pipeline's images.
 const SCALE: i32 = 2;
 
+/// Greys of the thin outlines, in turn: one of them is seen on any ground.
+const DASHES: [[u8; 3]; 2] = [[205; 3], [75; 3]];
+
 /// Fewest pixels (of QVGA) of a rejected cluster whose reason is written.
 const WORTH_A_LABEL: u32 = 400;
 
@@ -95,7 +98,7 @@ fn outlines(canvas: &mut Canvas, processed: &Processed<'_>) {
                 let on_side = (left && dx == 0) || (right && dx == 1) || (above && dy == 0) || (below && dy == 1);
                 match colours[index] {
                     Some(c) if left || right || above || below => canvas.set(x + dx, y + dy, [c.r(), c.g(), c.b()]),
-                    None if on_side => canvas.set(x + dx, y + dy, [GREY.r(), GREY.g(), GREY.b()]),
+                    None if on_side => canvas.set(x + dx, y + dy, DASHES[((x / 4 + y / 4) & 1) as usize]),
                     _ => {}
                 }
             }

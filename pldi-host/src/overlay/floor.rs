@@ -29,6 +29,9 @@ const RING_NAMES: Rgb888 = Rgb888::new(130, 136, 150);
 const AREA: Rgb888 = Rgb888::new(90, 120, 160);
 const WORDS: Rgb888 = Rgb888::new(225, 225, 225);
 
+/// Width of a ring's name in pixels.
+const RING_NAME: u32 = 28;
+
 /// What is added to the ground where the map is densest; the contours are brighter.
 const LIGHTEST: f32 = 105.0;
 
@@ -106,13 +109,15 @@ fn rings(canvas: &mut Canvas, area: &SensoryArea) {
     // Beside the area's right side, where no cluster is drawn.
     let [right, forward] = corners[2];
     let angle = (libm::atan2f(right, forward) + 0.16).min(1.2);
-    let (sin, cos) = libm::sincosf(angle);
+    let sin = libm::sinf(angle);
+    // As far right as there is room for the name.
+    let rightmost = (WIDTH / 2 - RING_NAME) as f32 / METRE;
     let Ok(()) = draw_rings(&mut canvas.clipped(&map));
     for metres in 1..=4u8 {
         let r = f32::from(metres);
-        let at = pixel([r * sin, r * cos]);
-        let x = at.x.min(LEFT + WIDTH as i32 - 28);
-        text::write(canvas, &format!("{metres} m"), x, at.y - 6, RING_NAMES);
+        let x = (r * sin).min(rightmost);
+        let at = pixel([x, (r * r - x * x).max(0.0).sqrt()]);
+        text::write(canvas, &format!("{metres} m"), at.x, at.y - 6, RING_NAMES);
     }
     let stroke = PrimitiveStyle::with_stroke(AREA, 1);
     for i in 0..corners.len() {

@@ -10,6 +10,7 @@ use pldi_host::output::png;
 use serde_json::{Value, json};
 
 use crate::args::DescriptorArg;
+use crate::print;
 
 /// Options of `pldi describe`.
 #[derive(Debug, clap::Args)]
@@ -31,8 +32,7 @@ impl Describe {
             *to = from;
         }
         let numbers = descriptor::describe(&view, kind, &mut Box::new([[0.0; SIZE]; SIZE]));
-        println!("{}", json!({ "descriptor": kind.name(), "values": numbers.to_vec() }));
-        Ok(())
+        print::line(json!({ "descriptor": kind.name(), "values": numbers.to_vec() }))
     }
 }
 
@@ -55,8 +55,7 @@ impl Match {
             self.a.display(),
             self.b.display()
         );
-        println!("{}", json!({ "descriptor": kind_a, "distance": canberra(&a, &b) }));
-        Ok(())
+        print::line(json!({ "descriptor": kind_a, "distance": canberra(&a, &b) }))
     }
 }
 

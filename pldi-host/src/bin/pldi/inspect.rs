@@ -1,13 +1,12 @@
 //! `pldi inspect`: what a recording is like.
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 
-use anyhow::Context;
 use pldi_host::input::FrameSource;
 use pldi_host::inspect;
 
 use crate::args::Input;
-use crate::progress;
+use crate::{print, progress};
 
 /// Options of `pldi inspect`.
 #[derive(Debug, clap::Args)]
@@ -39,8 +38,11 @@ impl Inspect {
             bar.finish_and_clear();
         }
         let summary = summary?;
-        let text = if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.to_string() };
-        std::io::stdout().lock().write_all(text.as_bytes()).context("cannot write to stdout")?;
+        if self.json {
+            print::line(serde_json::to_string(&summary)?)?;
+        } else {
+            print::line(summary.to_string().trim_end())?;
+        }
         let failed = summary.unreadable.len();
         anyhow::ensure!(failed == 0, "{failed} of the {} frames looked at cannot be read", summary.looked_at);
         Ok(())

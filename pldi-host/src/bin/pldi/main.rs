@@ -7,6 +7,7 @@ mod args;
 mod bench;
 mod describe;
 mod inspect;
+mod print;
 mod progress;
 mod run;
 mod stages;

@@ -1,19 +1,18 @@
 //! `pldi run`: a recording's frames, one JSON line each.
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use indicatif::ProgressBar;
 use pldi_core::templates::Templates;
 use pldi_host::Error;
 use pldi_host::input::{FrameSource, Recording};
 use pldi_host::output::atomic;
+use pldi_host::overlay;
 use pldi_host::runner::{self, FrameResult, Processed};
-use pldi_host::{overlay, report::FrameReport};
 
 use crate::args::{Input, Processing, Threads};
-use crate::{progress, templates};
+use crate::{print, progress, templates};
 
 /// Options of `pldi run`.
 ///
@@ -96,7 +95,8 @@ impl Sink<'_> {
                 if let (Some(folder), Some(png)) = (self.overlay, extra) {
                     atomic::write_bytes(&folder.join(format!("{index:04}.png")), &png)?;
                 }
-                self.say(|| print_line(&report))?;
+                let line = serde_json::to_string(&report)?;
+                self.say(|| print::line(line))?;
             }
             // What is wrong with the call is wrong with every frame.
             Err(error) if self.keep_going && !error.is_usage() => {
@@ -118,12 +118,4 @@ impl Sink<'_> {
             None => write(),
         }
     }
-}
-
-/// Writes one line at once, so that whoever reads along (or looks after an interrupt) never sees half of it.
-fn print_line(report: &FrameReport) -> anyhow::Result<()> {
-    let mut line = serde_json::to_vec(report)?;
-    line.push(b'\n');
-    let mut out = std::io::stdout().lock();
-    out.write_all(&line).and_then(|()| out.flush()).context("cannot write to stdout")
 }

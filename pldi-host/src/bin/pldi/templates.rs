@@ -12,6 +12,7 @@ use pldi_host::parallel;
 use pldi_host::templates::{Builder, EMBEDDED, Look, ObjectMesh, leave_one_object_out};
 
 use crate::args::{Threads, ViewArgs};
+use crate::print;
 
 /// The commands below `pldi templates`.
 #[derive(Debug, clap::Subcommand)]
@@ -95,8 +96,7 @@ impl Templates {
             Self::Evaluate { file, threads } => {
                 let bytes = read(file.as_deref())?;
                 let set = parse(file.as_deref(), &bytes)?;
-                println!("{}", leave_one_object_out(&set, threads.count()));
-                Ok(())
+                print::line(leave_one_object_out(&set, threads.count()))
             }
         }
     }
@@ -120,13 +120,28 @@ fn info(file: Option<&Path>) -> anyhow::Result<()> {
     let bytes = read(file)?;
     let set = parse(file, &bytes)?;
     let view = set.view_params();
-    println!("{} bytes, CRC-32 {:08x}, view parameters {:08x}", bytes.len(), set.checksum(), view.hash());
-    println!("descriptor {}, framing {:?}, normals in {} m", view.descriptor.name(), view.framing, view.radius);
-    println!("{} templates of {} objects in {} classes", set.len(), set.objects().len(), set.classes().len());
+    print::line(format_args!(
+        "{} bytes, CRC-32 {:08x}, view parameters {:08x}",
+        bytes.len(),
+        set.checksum(),
+        view.hash()
+    ))?;
+    print::line(format_args!(
+        "descriptor {}, framing {:?}, normals in {} m",
+        view.descriptor.name(),
+        view.framing,
+        view.radius
+    ))?;
+    print::line(format_args!(
+        "{} templates of {} objects in {} classes",
+        set.len(),
+        set.objects().len(),
+        set.classes().len()
+    ))?;
     for (i, class) in set.classes().enumerate() {
         let objects = set.objects().filter(|(c, _)| usize::from(*c) == i).count();
         let views = set.iter().filter(|t| usize::from(t.class()) == i).count();
-        println!("{class:20} {objects:5} objects {views:7} views");
+        print::line(format_args!("{class:20} {objects:5} objects {views:7} views"))?;
     }
     Ok(())
 }
