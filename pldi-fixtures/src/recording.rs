@@ -1,11 +1,13 @@
 //! Recordings of a robot that drives through a room, frame by frame, with the truth about every object in view.
 
+mod drive;
 mod plan;
 mod truth;
 mod tum;
 
 use std::sync::Arc;
 
+pub use drive::Drive;
 pub use plan::{PlacedObject, RoomPlan};
 pub use truth::{HIDDEN_SHARE, ObjectTruth};
 pub use tum::write_tum;
@@ -43,30 +45,14 @@ pub struct RecordedFrame {
     pub truth: Vec<ObjectTruth>,
 }
 
-/// How a recording is made.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drive {
-    /// Number of frames.
-    pub frames: usize,
-    /// Frames per second; default 5.
-    pub rate: f32,
-    /// Height of the camera in metres; default 1.2.
-    pub height: f32,
-    /// Tilt of the camera in rad, positive looks down; default 0.30 (17 degrees).
-    pub pitch: f32,
-}
-
-impl Default for Drive {
-    fn default() -> Self {
-        Self { frames: 60, rate: 5.0, height: 1.2, pitch: 0.30 }
-    }
-}
+/// Least distance of whole objects from the image's borders, as a share of its width.
+const FRAME_MARGIN: f32 = 0.015;
 
 impl Recording {
     /// A drive through the room of a plan, past every object in turn. `seed` moves the path and the noise.
     #[must_use]
     pub fn new(plan: RoomPlan, sensor: Sensor, drive: Drive, seed: u64) -> Self {
-        let path = plan.path(&drive, derive(seed, 1));
+        let path = plan.path(&sensor, &drive, derive(seed, 1));
         Self::along(plan, path, sensor, drive.rate, derive(seed, 2))
     }
 

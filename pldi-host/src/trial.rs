@@ -1,9 +1,13 @@
 //! A trial on generated recordings, where the truth is known: which objects are found, and what they are taken for.
 
+use pldi_core::ground::SensoryArea;
 use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
 use pldi_core::templates::Templates;
-use pldi_core::{Frame, Params};
-use pldi_fixtures::{Class, Drive, HELD_OUT_SEEDS, ObjectTruth, RecordedFrame, Recording, RoomPlan, Sensor};
+use pldi_core::{Floor, Frame, Params};
+use pldi_fixtures::rng::{Rng, derive};
+use pldi_fixtures::{
+    CameraPose, Class, Drive, HELD_OUT_SEEDS, ObjectTruth, RecordedFrame, Recording, RoomPlan, Sensor,
+};
 
 use crate::input::reduce;
 use crate::templates::Confusion;
@@ -86,7 +90,8 @@ impl Outcome {
 /// A cluster counts for an object where they share at least half of the pixels of both together.
 const OVERLAP: f64 = 0.5;
 
-/// An object is within the area where its footprint ends so far before the area's end, in metres.
+/// An object is within the area where its footprint keeps so far from the area's borders, in metres: the density on the
+/// floor is spread by the sensor's error and by the cells' size, and the core leaves out what touches a border.
 const CLEARANCE: f32 = 0.15;
 
 impl Trial {
@@ -119,6 +124,30 @@ impl Trial {
         Ok(all)
     }
 
+    /// The objects of a room, 4 to 6. All rooms together draw from one deck after the other of all classes, shuffled, so
+    /// that every class comes up equally often; no two rooms share an object.
+    fn furniture(&self, room: u32) -> Vec<(Class, u64)> {
+        // The first card of the next rooms: 4, 5, 6 and 5 cards are dealt in turn.
+        let first = |room: u32| 5 * u64::from(room) - u64::from(matches!(room % 4, 1 | 2));
+        let n = Class::ALL.len();
+        let card = |i: u64| {
+            let mut deck = Class::ALL;
+            let mut rng = Rng::new(derive(self.seed, (2 << 32) + i / n as u64));
+            for k in (1..n).rev() {
+                deck.swap(k, rng.below(k + 1));
+            }
+            (deck[(i % n as u64) as usize], HELD_OUT_SEEDS + i)
+        };
+        (first(room)..first(room + 1)).map(card).collect()
+    }
+
+    /// The drive through a room.
+    pub fn recording(&self, room: u32) -> Recording {
+        let plan = RoomPlan::furnish(derive(self.seed, u64::from(room)), &self.furniture(room));
+        let seed = derive(self.seed, u64::from(room) + (1 << 32));
+        Recording::new(plan, Sensor::kinect_v1(), Drive::stops(self.frames), seed)
+    }
+
     fn room(
         &self,
         room: u32,
@@ -126,14 +155,7 @@ impl Trial {
         templates: &Templates<'_>,
         workspace: &mut QvgaWorkspace,
     ) -> Result<Outcome, Error> {
-        let seed = pldi_fixtures::rng::derive(self.seed, u64::from(room));
-        // Every class comes up equally often, and no two rooms share an object.
-        let n = Class::ALL.len();
-        let classes: Vec<Class> = (0..n).map(|i| Class::ALL[(room as usize * 5 + i) % n]).collect();
-        let first = HELD_OUT_SEEDS + 16 * u64::from(room);
-        let plan = RoomPlan::generate(seed, &classes, first..first + 16);
-        let drive = Drive { frames: self.frames, ..Drive::default() };
-        let recording = Recording::new(plan, Sensor::kinect_v1(), drive, seed);
+        let recording = self.recording(room);
         let mut outcome = Outcome { sightings: Vec::new(), strays: 0, frames: 0 };
         let intrinsics = recording.sensor.intrinsics.reduced(2).map_err(Error::core)?;
         let pipeline = QvgaPipeline::new(params, &intrinsics).map_err(Error::core)?;
@@ -153,6 +175,20 @@ impl Trial {
     }
 }
 
+/// Whether an object's footprint (its bounding box's) lies well within the sensory area.
+fn within_area(object: &ObjectTruth, camera: &CameraPose, area: &SensoryArea) -> bool {
+    let (turn, lean) = (libm::sincosf(object.yaw), libm::sincosf(camera.pitch));
+    let [x, y, z] = object.centre;
+    let (ahead, aside) = (z * lean.1 - y * lean.0, x);
+    [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].into_iter().all(|(a, b)| {
+        let (front, left) = (0.5 * a * object.size[0], 0.5 * b * object.size[1]);
+        let forward = ahead + front * turn.1 - left * turn.0;
+        let right = aside - front * turn.0 - left * turn.1;
+        let c = CLEARANCE;
+        [(c, c), (c, -c), (-c, c), (-c, -c)].into_iter().all(|(dx, dy)| area.contains(right + dx, forward + dy))
+    })
+}
+
 type Judged = (ObjectTruth, Option<(String, f32)>, Option<&'static str>);
 
 /// Runs the pipeline on a frame with truth: what became of each object that could be recognised, and the number of
@@ -163,12 +199,15 @@ pub fn judge(
     frame: RecordedFrame,
     workspace: &mut QvgaWorkspace,
 ) -> Result<(Vec<Judged>, u32), Error> {
-    let RecordedFrame { capture, truth, .. } = frame;
+    let RecordedFrame { capture, truth, camera, .. } = frame;
+    let floor = Floor::from_pose(camera.height, camera.pitch, camera.roll).map_err(Error::core)?;
+    let area = SensoryArea::new(&pipeline.params().area, pipeline.rays().intrinsics(), &floor);
     let (depth, colour) = reduce(&capture.depth, capture.colour, 2);
     let qvga = Frame::new(&depth, Some(&colour)).map_err(Error::core)?;
     pipeline.run(&qvga, templates, workspace).map_err(Error::core)?;
     let (report, labels) = (&workspace.report, workspace.labels.as_flattened());
-    let truths: Vec<u8> = capture.labels.chunks(2 * capture.width).flat_map(|r| r[..capture.width].iter().step_by(2).copied()).collect();
+    let truths: Vec<u8> =
+        capture.labels.chunks(2 * capture.width).flat_map(|r| r[..capture.width].iter().step_by(2).copied()).collect();
     let measured = |i: usize| depth[i] > 0;
     let overlap = |label: u8, cluster: usize| {
         let (mut both, mut either) = (0u32, 0u32);
@@ -182,9 +221,7 @@ pub fn judge(
     let mut used = Vec::new();
     let mut out = Vec::new();
     for object in truth {
-        let reach = 0.5 * (object.size[0] * object.size[0] + object.size[1] * object.size[1]).sqrt();
-        let far = pipeline.params().area.far - CLEARANCE;
-        let whole = !object.occluded && !object.cut_by_frame && object.distance + reach < far;
+        let whole = !object.occluded && !object.cut_by_frame && within_area(&object, &camera, &area);
         let label = object.instance as u8 + 1;
         let covering = (0..report.clusters.len())
             .map(|c| (overlap(label, c), c))

@@ -3,9 +3,8 @@
 use core::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
-use super::Drive;
 use crate::furniture::{Class, HELD_OUT_SEEDS, furniture};
-use crate::kinect::{CameraPose, Light, Pose, Room, Sun};
+use crate::kinect::{Light, Pose, Room, Sun};
 use crate::mesh::{Bounds, Material, Mesh, Texture};
 use crate::rng::{Rng, derive};
 
@@ -44,7 +43,7 @@ impl PlacedObject {
     }
 
     /// The corners of the bounding box's footprint in the world, in turn, in metres.
-    fn footprint(&self) -> [[f32; 2]; 4] {
+    pub(super) fn footprint(&self) -> [[f32; 2]; 4] {
         let (b, place) = (self.bounds(), self.pose.transform());
         [(b.min[0], b.min[1]), (b.max[0], b.min[1]), (b.max[0], b.max[1]), (b.min[0], b.max[1])].map(|(x, y)| {
             let p = place.apply([x, y, 0.0]);
@@ -65,55 +64,70 @@ pub struct RoomPlan {
 }
 
 impl RoomPlan {
-    /// A room of 3 to 6 objects of `classes` with object seeds from `seeds`, without overlaps: footprints at least
-    /// 0.35 m from each other and 0.4 m from the walls, fronts more or less towards the middle, which stays free.
+    /// A room of 3 to 6 objects of `classes` with object seeds from `seeds`, without overlaps, as [`RoomPlan::furnish`]
+    /// places them.
     ///
     /// For held-out objects pass `HELD_OUT_SEEDS..HELD_OUT_SEEDS + n`.
     #[must_use]
     pub fn generate(seed: u64, classes: &[Class], seeds: core::ops::Range<u64>) -> Self {
+        let mut rng = Rng::new(derive(seed, 12));
+        let count = seeds.end.saturating_sub(seeds.start) as usize;
+        let wanted = if classes.is_empty() || count == 0 { 0 } else { 3 + rng.below(4) };
+        let objects: Vec<(Class, u64)> =
+            (0..wanted).map(|_| (rng.pick(classes), seeds.start + rng.below(count) as u64)).collect();
+        Self::furnish(seed, &objects)
+    }
+
+    /// A room with these objects (class and seed), of which those are left out for which there is no place: footprints
+    /// at least 0.35 m from each other and 0.4 m from the walls, fronts more or less towards the middle, which stays
+    /// free.
+    #[must_use]
+    pub fn furnish(seed: u64, objects: &[(Class, u64)]) -> Self {
         let mut rng = Rng::new(derive(seed, 11));
-        let half = [rng.range(2.9, 3.5), rng.range(2.7, 3.2)];
+        let half = [rng.range(3.1, 4.0), rng.range(3.0, 3.7)];
         let mut plan = Self { room: room(&mut rng, half), light: light(&mut rng), objects: Vec::new() };
-        if classes.is_empty() || seeds.is_empty() {
-            return plan;
-        }
-        let wanted = 3 + rng.below(4);
         let start = rng.range(0.0, TAU);
         // How much of the way around the room is furnished: less means more objects in one view.
         let arc = TAU * rng.range(0.55, 0.95);
-        let count = (seeds.end - seeds.start) as usize;
-        // A sector of the room for each object, so that few hide behind others when seen from the middle.
-        for i in 0..wanted {
-            // A class that finds no place in several attempts gives way to another.
-            for _ in 0..4 {
-                let (class, object) = (rng.pick(classes), seeds.start + rng.below(count) as u64);
-                let angle = start + i as f32 * arc / wanted as f32;
-                if plan.place(&mut rng, class, object, angle) {
-                    break;
-                }
+        // A sector of the room for each object, so that few hide behind others when seen from the middle. The largest
+        // choose first.
+        let mut placed: Vec<(usize, PlacedObject)> = Vec::new();
+        let made = |&(class, object): &(Class, u64)| PlacedObject::new(class, object, Pose::default());
+        let mut waiting: Vec<(usize, PlacedObject)> = objects.iter().map(made).enumerate().collect();
+        let extent = |o: &PlacedObject| o.bounds().size()[0] * o.bounds().size()[1];
+        waiting.sort_by(|(_, a), (_, b)| extent(b).total_cmp(&extent(a)));
+        for (i, object) in waiting {
+            let angle = start + i as f32 * arc / objects.len() as f32;
+            if let Some(object) = plan.place(&mut rng, object, angle) {
+                plan.objects.push(object.clone());
+                placed.push((i, object));
             }
         }
+        placed.sort_by_key(|(i, _)| *i);
+        plan.objects = placed.into_iter().map(|(_, object)| object).collect();
         plan
     }
 
-    /// Places an object about the direction `angle` from the middle; whether room was found.
-    fn place(&mut self, rng: &mut Rng, class: Class, object: u64, angle: f32) -> bool {
-        let mut placed = PlacedObject::new(class, object, Pose::default());
-        for _ in 0..30 {
-            let angle = angle + rng.range(-0.2, 0.2);
-            let radius = rng.range(1.3, 2.6);
+    /// Finds a place for an object about the direction `angle` from the middle, or farther and farther from that
+    /// direction where there is no room; `None` where there is none anywhere.
+    fn place(&self, rng: &mut Rng, mut object: PlacedObject, angle: f32) -> Option<PlacedObject> {
+        for attempt in 0..120 {
+            let aside = 0.2 + 0.025 * attempt as f32;
+            let angle = angle + rng.range(-aside, aside);
+            let radius = rng.range(1.3, 3.0);
             let (s, c) = libm::sincosf(angle);
-            let yaw = match class {
+            let yaw = match object.class {
                 Class::Bin | Class::Plant | Class::Box | Class::Stool => rng.range(0.0, TAU),
+                // Also along the wall.
+                Class::Bed => angle + 0.5 * PI * rng.below(4) as f32 + rng.range(-0.3, 0.3),
                 _ => angle + PI + rng.range(-0.7, 0.7),
             };
-            placed.pose = Pose { x: radius * c, y: radius * s, yaw: wrap(yaw) };
-            if self.fits(&placed) {
-                self.objects.push(placed);
-                return true;
+            object.pose = Pose { x: radius * c, y: radius * s, yaw: wrap(yaw) };
+            if self.fits(&object) {
+                return Some(object);
             }
         }
-        false
+        None
     }
 
     /// The room of [`super::Recording::demo`].
@@ -154,46 +168,6 @@ impl RoomPlan {
         inside
             && distance_to_point(&corners, [0.0; 2]) >= FREE + 0.3
             && self.objects.iter().all(|other| distance(&corners, &other.footprint()) >= APART)
-    }
-
-    /// The robot's path: it stays in the free middle, visits the objects in the order they stand around it, and looks at
-    /// each from 1.5 to 3.5 m.
-    pub(super) fn path(&self, drive: &Drive, seed: u64) -> Vec<CameraPose> {
-        let mut rng = Rng::new(seed);
-        let mut stations: Vec<[f32; 3]> = self
-            .objects
-            .iter()
-            .map(|o| {
-                let away = (o.pose.x * o.pose.x + o.pose.y * o.pose.y).sqrt();
-                let bounds = o.bounds().size();
-                // Large objects are looked at from farther away, to have them whole in the image.
-                let large = bounds[0].max(bounds[1]);
-                let back = (rng.range(1.8, 2.4) + 0.5 * large - away).clamp(-FREE, FREE);
-                let aside = rng.range(-0.25, 0.25);
-                let (ux, uy) = (o.pose.x / away, o.pose.y / away);
-                let (x, y) = (-ux * back - uy * aside, -uy * back + ux * aside);
-                [x, y, libm::atan2f(o.pose.y - y, o.pose.x - x)]
-            })
-            .collect();
-        if stations.is_empty() {
-            stations.push([0.0; 3]);
-        }
-        // Seconds from one station to the next; the last part of each leg is spent looking.
-        let leg = 3.0;
-        let first = rng.below(stations.len());
-        (0..drive.frames)
-            .map(|i| {
-                let time = i as f32 / drive.rate.max(0.1) / leg;
-                let number = time.floor();
-                let at = |k: usize| stations[(first + number as usize + k) % stations.len()];
-                let (a, b) = (at(0), at(1));
-                let t = ((time - number) / 0.8).min(1.0);
-                let t = t * t * (3.0 - 2.0 * t);
-                let turn = wrap(b[2] - a[2]);
-                let (x, y) = (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]));
-                CameraPose::new(x, y, wrap(a[2] + t * turn), drive.height, drive.pitch)
-            })
-            .collect()
     }
 }
 
@@ -241,7 +215,7 @@ pub(super) fn wrap(angle: f32) -> f32 {
 }
 
 /// Distance from a point to a convex polygon, in metres; 0 inside.
-fn distance_to_point(polygon: &[[f32; 2]; 4], p: [f32; 2]) -> f32 {
+pub(super) fn distance_to_point(polygon: &[[f32; 2]; 4], p: [f32; 2]) -> f32 {
     let mut inside = true;
     let mut nearest = f32::INFINITY;
     for i in 0..4 {
@@ -274,7 +248,9 @@ pub(super) fn distance(a: &[[f32; 2]; 4], b: &[[f32; 2]; 4]) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Drive;
     use super::*;
+    use crate::kinect::Sensor;
 
     #[test]
     fn rectangles_are_as_far_apart_as_they_look() {
@@ -314,7 +290,7 @@ mod tests {
                     assert!(distance(&a.footprint(), &b.footprint()) >= APART);
                 }
             }
-            for camera in plan.path(&Drive::default(), seed) {
+            for camera in plan.path(&Sensor::kinect_v1(), &Drive::default(), seed) {
                 let position = [camera.x, camera.y];
                 assert!(plan.objects.iter().all(|o| distance_to_point(&o.footprint(), position) > 0.2));
             }

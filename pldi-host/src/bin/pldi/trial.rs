@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use pldi_core::templates::Templates;
+use pldi_host::Error;
 use pldi_host::trial::Trial as Rooms;
 
 use crate::args::{Processing, Threads};
@@ -28,6 +29,9 @@ pub struct Trial {
     /// List what went wrong
     #[arg(long)]
     list: bool,
+    /// Write the recording of one room as a folder in place of the trial: to look at, and for pldi run
+    #[arg(long, value_names = ["ROOM", "DIR"], num_args = 2)]
+    write: Option<Vec<String>>,
     #[command(flatten)]
     threads: Threads,
 }
@@ -39,6 +43,12 @@ impl Trial {
         let set: Templates<'_> = templates::parse(self.templates.as_deref(), &bytes)?;
         let params = self.processing.params(*set.view_params());
         let rooms = Rooms { rooms: self.rooms, frames: usize::from(self.frames), seed: self.seed };
+        if let Some([room, folder]) = self.write.as_deref() {
+            let room: u32 = room.parse().map_err(|_| Error::Usage(format!("{room} is no number of a room")))?;
+            let folder = PathBuf::from(folder);
+            let written = pldi_fixtures::write_tum(&rooms.recording(room), &format!("room {room}"), &folder);
+            return Ok(written.map_err(|cause| Error::Write { path: folder, cause })?);
+        }
         let bar = crate::progress::bar(self.rooms.into());
         let outcome = rooms.run(&params, &set, self.threads.count(), || {
             bar.inc(1);
@@ -55,7 +65,10 @@ impl Trial {
                     (None, None) => "no cluster".to_owned(),
                 };
                 let (truth, distance) = (&s.truth, s.truth.distance);
-                println!("room {} frame {}: {} {} at {distance:.2} m {taken}", s.room, s.frame, truth.class, truth.object);
+                println!(
+                    "room {} frame {}: {} {} at {distance:.2} m {taken}",
+                    s.room, s.frame, truth.class, truth.object
+                );
             }
         }
         println!("{}", outcome.confusion(&classes));
