@@ -50,4 +50,6 @@ pub use kinect::{
     Views,
 };
 pub use mesh::{Bounds, Material, Mesh, Texture, Transform, Triangle};
-pub use recording::{Drive, HIDDEN_SHARE, ObjectTruth, PlacedObject, RecordedFrame, Recording, RoomPlan, write_tum};
+pub use recording::{
+    Drive, HIDDEN_SHARE, ObjectTruth, PlacedObject, RecordedFrame, Recording, RoomPlan, TumFrame, TumWriter, write_tum,
+};

@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub use drive::Drive;
 pub use plan::{PlacedObject, RoomPlan};
 pub use truth::{HIDDEN_SHARE, ObjectTruth};
-pub use tum::write_tum;
+pub use tum::{TumFrame, TumWriter, write_tum};
 
 use crate::kinect::{CameraPose, Capture, Instance, Scene, Sensor};
 use crate::rng::derive;
@@ -33,7 +33,7 @@ pub struct Recording {
 }
 
 /// One frame of a recording.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RecordedFrame {
     /// Time since the first frame in seconds.
     pub stamp: f64,

@@ -1,17 +1,18 @@
 //! A trial on generated recordings, where the truth is known: which objects are found, and what they are taken for.
 
-use pldi_core::ground::SensoryArea;
+mod judge;
+
 use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
 use pldi_core::templates::Templates;
-use pldi_core::{Floor, Frame, Params};
+use pldi_core::{Frame, Params};
 use pldi_fixtures::rng::{Rng, derive};
-use pldi_fixtures::{
-    CameraPose, Class, Drive, HELD_OUT_SEEDS, ObjectTruth, RecordedFrame, Recording, RoomPlan, Sensor,
-};
+use pldi_fixtures::{Class, Drive, HELD_OUT_SEEDS, RecordedFrame, Recording, RoomPlan, Sensor};
 
 use crate::input::reduce;
 use crate::templates::Confusion;
 use crate::{Error, parallel};
+
+pub use judge::{FrameTruth, Standing, Verdict, judge};
 
 /// Which recordings are generated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +27,7 @@ pub struct Trial {
 
 impl Default for Trial {
     fn default() -> Self {
-        Self { rooms: 40, frames: 12, seed: 1 }
+        Self { rooms: 48, frames: 12, seed: 1 }
     }
 }
 
@@ -37,12 +38,8 @@ pub struct Sighting {
     pub room: u32,
     /// Number of the frame.
     pub frame: usize,
-    /// The object.
-    pub truth: ObjectTruth,
-    /// The answer's class and score; `None` where no candidate covers the object.
-    pub answer: Option<(String, f32)>,
-    /// The reason of the rejected cluster that covers it, where one does.
-    pub reason: Option<&'static str>,
+    /// The object and the answer.
+    pub verdict: Verdict,
 }
 
 /// The outcome of a trial.
@@ -59,7 +56,7 @@ pub struct Outcome {
 impl Outcome {
     /// Share of the sightings that a candidate covers.
     pub fn found_share(&self) -> f64 {
-        let found = self.sightings.iter().filter(|s| s.answer.is_some()).count();
+        let found = self.sightings.iter().filter(|s| s.verdict.answer.is_some()).count();
         found as f64 / self.sightings.len().max(1) as f64
     }
 
@@ -68,7 +65,9 @@ impl Outcome {
         let mut confusion = Confusion::new(classes.to_vec());
         let index = |name: &str| classes.iter().position(|c| c == name);
         for s in &self.sightings {
-            if let (Some(truth), Some(answer)) = (index(&s.truth.class), s.answer.as_ref().and_then(|a| index(&a.0))) {
+            if let (Some(truth), Some(answer)) =
+                (index(&s.verdict.truth.class), s.verdict.answer.as_ref().and_then(|a| index(&a.0)))
+            {
                 confusion.counts[truth][answer] += 1;
             }
         }
@@ -78,21 +77,14 @@ impl Outcome {
     /// Macro average of the recall with objects that were not found counted as missed.
     pub fn strict_recall(&self, classes: &[String]) -> f64 {
         let of_class = |class: &str| {
-            let all: Vec<&Sighting> = self.sightings.iter().filter(|s| s.truth.class == class).collect();
-            let right = all.iter().filter(|s| s.answer.as_ref().is_some_and(|a| a.0 == class)).count();
+            let all: Vec<&Sighting> = self.sightings.iter().filter(|s| s.verdict.truth.class == class).collect();
+            let right = all.iter().filter(|s| s.verdict.is_right()).count();
             (!all.is_empty()).then(|| right as f64 / all.len() as f64)
         };
         let recalls: Vec<f64> = classes.iter().filter_map(|c| of_class(c)).collect();
         recalls.iter().sum::<f64>() / recalls.len().max(1) as f64
     }
 }
-
-/// A cluster counts for an object where they share at least half of the pixels of both together.
-const OVERLAP: f64 = 0.5;
-
-/// An object is within the area where its footprint keeps so far from the area's borders, in metres: the density on the
-/// floor is spread by the sensor's error and by the cells' size, and the core leaves out what touches a border.
-const CLEARANCE: f32 = 0.15;
 
 impl Trial {
     /// Runs the trial; `done` is called after each room (from several threads) and stops the work by returning `false`.
@@ -160,83 +152,17 @@ impl Trial {
         let intrinsics = recording.sensor.intrinsics.reduced(2).map_err(Error::core)?;
         let pipeline = QvgaPipeline::new(params, &intrinsics).map_err(Error::core)?;
         for (i, frame) in recording.frames().enumerate() {
-            let (sightings, strays) = judge(&pipeline, templates, frame, workspace)?;
-            outcome.sightings.extend(sightings.into_iter().map(|(truth, answer, reason)| Sighting {
-                room,
-                frame: i,
-                truth,
-                answer,
-                reason,
-            }));
+            let RecordedFrame { capture, truth, camera, .. } = frame;
+            let seen = FrameTruth::new(truth, camera, &capture, 2);
+            let (depth, colour) = reduce(&capture.depth, capture.colour, 2);
+            let qvga = Frame::new(&depth, Some(&colour)).map_err(Error::core)?;
+            pipeline.run(&qvga, templates, workspace).map_err(Error::core)?;
+            let (verdicts, strays) = judge(&seen, &depth, &pipeline, templates, workspace).map_err(Error::core)?;
+            let whole = verdicts.into_iter().filter(|v| v.standing == Standing::Whole);
+            outcome.sightings.extend(whole.map(|verdict| Sighting { room, frame: i, verdict }));
             outcome.strays += strays;
             outcome.frames += 1;
         }
         Ok(outcome)
     }
-}
-
-/// Whether an object's footprint (its bounding box's) lies well within the sensory area.
-fn within_area(object: &ObjectTruth, camera: &CameraPose, area: &SensoryArea) -> bool {
-    let (turn, lean) = (libm::sincosf(object.yaw), libm::sincosf(camera.pitch));
-    let [x, y, z] = object.centre;
-    let (ahead, aside) = (z * lean.1 - y * lean.0, x);
-    [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].into_iter().all(|(a, b)| {
-        let (front, left) = (0.5 * a * object.size[0], 0.5 * b * object.size[1]);
-        let forward = ahead + front * turn.1 - left * turn.0;
-        let right = aside - front * turn.0 - left * turn.1;
-        let c = CLEARANCE;
-        [(c, c), (c, -c), (-c, c), (-c, -c)].into_iter().all(|(dx, dy)| area.contains(right + dx, forward + dy))
-    })
-}
-
-type Judged = (ObjectTruth, Option<(String, f32)>, Option<&'static str>);
-
-/// Runs the pipeline on a frame with truth: what became of each object that could be recognised, and the number of
-/// candidates that are no whole object.
-pub fn judge(
-    pipeline: &QvgaPipeline,
-    templates: &Templates<'_>,
-    frame: RecordedFrame,
-    workspace: &mut QvgaWorkspace,
-) -> Result<(Vec<Judged>, u32), Error> {
-    let RecordedFrame { capture, truth, camera, .. } = frame;
-    let floor = Floor::from_pose(camera.height, camera.pitch, camera.roll).map_err(Error::core)?;
-    let area = SensoryArea::new(&pipeline.params().area, pipeline.rays().intrinsics(), &floor);
-    let (depth, colour) = reduce(&capture.depth, capture.colour, 2);
-    let qvga = Frame::new(&depth, Some(&colour)).map_err(Error::core)?;
-    pipeline.run(&qvga, templates, workspace).map_err(Error::core)?;
-    let (report, labels) = (&workspace.report, workspace.labels.as_flattened());
-    let truths: Vec<u8> =
-        capture.labels.chunks(2 * capture.width).flat_map(|r| r[..capture.width].iter().step_by(2).copied()).collect();
-    let measured = |i: usize| depth[i] > 0;
-    let overlap = |label: u8, cluster: usize| {
-        let (mut both, mut either) = (0u32, 0u32);
-        for (i, (t, l)) in truths.iter().zip(labels).enumerate() {
-            let (a, b) = (*t == label && measured(i), usize::from(*l) == cluster + 1);
-            both += u32::from(a && b);
-            either += u32::from(a || b);
-        }
-        f64::from(both) / f64::from(either.max(1))
-    };
-    let mut used = Vec::new();
-    let mut out = Vec::new();
-    for object in truth {
-        let whole = !object.occluded && !object.cut_by_frame && within_area(&object, &camera, &area);
-        let label = object.instance as u8 + 1;
-        let covering = (0..report.clusters.len())
-            .map(|c| (overlap(label, c), c))
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(share, _)| *share >= OVERLAP)
-            .map(|(_, c)| c);
-        let detection = covering.and_then(|c| report.detections.iter().find(|d| usize::from(d.cluster) == c));
-        if whole {
-            used.extend(detection.map(|d| d.cluster));
-            let best = detection.and_then(|d| d.hypotheses.first());
-            let answer = best.map(|h| (templates.class_name(h.class).to_owned(), h.score));
-            let reason = covering.and_then(|c| report.clusters[c].rejection).map(|r| r.name());
-            out.push((object, answer, reason));
-        }
-    }
-    let strays = report.detections.iter().filter(|d| !used.contains(&d.cluster)).count() as u32;
-    Ok((out, strays))
 }

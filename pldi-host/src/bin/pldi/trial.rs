@@ -18,7 +18,7 @@ pub struct Trial {
     #[command(flatten)]
     processing: Processing,
     /// Rooms that are generated, each with held-out objects of its own
-    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rooms: u32,
     /// Frames of each room's drive
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=10_000))]
@@ -58,13 +58,13 @@ impl Trial {
         let classes: Vec<String> = set.classes().map(str::to_owned).collect();
         if self.list {
             for s in &outcome.sightings {
-                let taken = match (&s.answer, s.reason) {
-                    (Some((class, _)), _) if *class == s.truth.class => continue,
+                let taken = match (&s.verdict.answer, s.verdict.reason) {
+                    (Some(_), _) if s.verdict.is_right() => continue,
                     (Some((class, score)), _) => format!("taken for {class} ({score:.2})"),
                     (None, Some(reason)) => format!("rejected: {reason}"),
                     (None, None) => "no cluster".to_owned(),
                 };
-                let (truth, distance) = (&s.truth, s.truth.distance);
+                let (truth, distance) = (&s.verdict.truth, s.verdict.truth.distance);
                 println!(
                     "room {} frame {}: {} {} at {distance:.2} m {taken}",
                     s.room, s.frame, truth.class, truth.object
