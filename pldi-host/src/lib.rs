@@ -2,6 +2,7 @@
 //!
 //! Everything that decides what is recognised lives in `pldi_core`; this crate brings frames to it and results away.
 
+pub mod demo;
 pub mod error;
 pub mod input;
 pub mod inspect;

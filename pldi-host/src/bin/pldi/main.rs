@@ -5,6 +5,7 @@
 
 mod args;
 mod bench;
+mod demo;
 mod describe;
 mod inspect;
 mod print;
@@ -31,6 +32,8 @@ struct Cli {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
+    /// Make a recording, recognise what is in it and compare with the truth
+    Demo(demo::Demo),
     /// Recognise the objects in each frame of a recording: JSON Lines on stdout
     Run(run::Run),
     /// Tell what a recording is like, and whether its depth belongs to its colour
@@ -65,6 +68,7 @@ fn main() -> ExitCode {
         .init();
     progress::watch_interrupts();
     let result = match cli.command {
+        Command::Demo(command) => command.run(),
         Command::Run(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Stages(command) => command.run(),

@@ -1,0 +1,128 @@
+//! The recording that the project shows itself with: made, written as a folder, read back and recognised.
+
+use std::path::Path;
+
+use pldi_core::Params;
+use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
+use pldi_core::templates::Templates;
+use pldi_fixtures::{Recording as Generated, TumWriter};
+
+use crate::input::{FrameSource, Recording};
+use crate::overlay::{self, Canvas};
+use crate::report::FrameReport;
+use crate::runner::{self, Processed};
+use crate::trial::{FrameTruth, Verdict, judge};
+use crate::{Error, parallel};
+
+/// The name in the recording's files.
+const NAME: &str = "pldi demo";
+
+/// What a frame of the demo gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shown {
+    /// What `pldi run` would print.
+    pub report: FrameReport,
+    /// What became of each object in view.
+    pub verdicts: Vec<Verdict>,
+    /// The frame's picture, as a PNG file.
+    pub picture: Vec<u8>,
+}
+
+/// Makes the recording and writes its folder, `done` is called after each frame (from several threads) and stops the
+/// work by returning `false`. What is there already and the same stays as it is. Returns the truth about each frame.
+///
+/// # Errors
+/// `Write`; `Interrupted`.
+pub fn write(folder: &Path, threads: usize, done: impl Fn() -> bool + Sync) -> Result<Vec<FrameTruth>, Error> {
+    let recording = Generated::demo();
+    let fails = |cause| Error::Write { path: folder.to_owned(), cause };
+    let writer = TumWriter::new(&recording, NAME, folder).map_err(fails)?;
+    let frames = parallel::map_ordered(
+        recording.len(),
+        threads,
+        || (),
+        |(), i| {
+            let frame = writer.frame(i).map_err(fails)?;
+            if done() { Ok(frame) } else { Err(Error::Interrupted) }
+        },
+    )?;
+    writer.finish(&frames).map_err(fails)?;
+    let truth = |f: pldi_fixtures::TumFrame| {
+        let factor = f.frame.capture.width / 320;
+        FrameTruth::new(f.frame.truth, f.frame.camera, &f.frame.capture, factor)
+    };
+    Ok(frames.into_iter().map(truth).collect())
+}
+
+/// Takes the written recording through the pipeline as [`runner::run`] does with any, and compares with the truth.
+/// `sink` gets the frames in order and ends the work early by returning `Ok(false)`.
+///
+/// # Errors
+/// As [`runner::run`]; the first frame's that fails.
+pub fn recognise<E: From<Error>>(
+    recording: &Recording,
+    truth: &[FrameTruth],
+    params: &Params,
+    templates: &Templates<'_>,
+    threads: usize,
+    mut sink: impl FnMut(usize, Shown) -> Result<bool, E>,
+) -> Result<(), E> {
+    let look = |seen: &Processed<'_>| {
+        let original = recording.original(seen.frame.index)?;
+        let picture = overlay::draw(seen, &original, templates).to_png()?;
+        let verdicts = match truth.get(seen.frame.index) {
+            Some(truth) => judge(truth, &seen.frame.depth, seen.pipeline, templates, seen.workspace),
+            None => Ok(Default::default()),
+        };
+        Ok((verdicts.map_err(Error::core)?.0, picture))
+    };
+    runner::run(recording, params, templates, threads, look, |i, result| {
+        let runner::FrameResult { report, extra: (verdicts, picture) } = result?;
+        sink(i, Shown { report, verdicts, picture })
+    })
+}
+
+/// One frame as a composite picture: colour above N of the whole image to the left, the overlay to the right. Colours are
+/// coarsened to 32 steps, which takes most of their noise away and makes the file small.
+///
+/// # Errors
+/// What is wrong with the frame's files; what the core says.
+pub fn composite(
+    recording: &Recording,
+    index: usize,
+    params: &Params,
+    templates: &Templates<'_>,
+) -> Result<Canvas, Error> {
+    let frame = recording.frame(index)?;
+    let pipeline = QvgaPipeline::new(params, &frame.intrinsics).map_err(Error::core)?;
+    let mut workspace = Box::new(QvgaWorkspace::new());
+    pipeline.run(&frame.as_frame().map_err(Error::core)?, templates, &mut workspace).map_err(Error::core)?;
+    let report = FrameReport::new(&frame, &workspace.report, params, templates);
+    let seen = Processed { frame: &frame, pipeline: &pipeline, workspace: &workspace, report: &report };
+    let mut original = recording.original(index)?;
+    original.colour = original.colour.map(coarse);
+    let right = overlay::draw(&seen, &original, templates);
+    pipeline.diffuse_all(&mut workspace);
+    let (width, height) = right.dimensions();
+    let mut canvas = Canvas::new(320 + width, height);
+    let colour = frame.colour.map(coarse).unwrap_or_default();
+    for (i, pixel) in colour.as_chunks::<3>().0.iter().enumerate() {
+        canvas.set((i % 320) as i32, (i / 320) as i32, *pixel);
+    }
+    for (i, n) in workspace.n.as_flattened().iter().enumerate() {
+        // 16 bits to 8; N is never finer in print.
+        canvas.set((i % 320) as i32, 240 + (i / 320) as i32, [(n >> 8) as u8; 3]);
+    }
+    for (i, pixel) in right.pixels().as_chunks::<3>().0.iter().enumerate() {
+        canvas.set(320 + (i as u32 % width) as i32, (i as u32 / width) as i32, *pixel);
+    }
+    Ok(canvas)
+}
+
+/// Values rounded to the middles of 32 steps.
+fn coarse(mut values: Vec<u8>) -> Vec<u8> {
+    for value in &mut values {
+        *value = (*value & 0xf8) | 4;
+    }
+    values
+}
