@@ -1,6 +1,7 @@
 //! Which square of the frontal view becomes the 128x128 image.
 
 use super::Homography;
+use super::homography::FRONTAL_DISTANCE;
 use crate::descriptor::DescriptorKind;
 use crate::templates::{crc32, layout::Header};
 use crate::{Error, Image, TemplateError};
@@ -9,7 +10,7 @@ use crate::{Error, Image, TemplateError};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Framing {
-    /// Centred on the centroid of the object's pixels, half side to the farthest of them: size does not count.
+    /// Centred on the centroid of the object's pixels, half side a quarter beyond the farthest of them: size does not count.
     #[default]
     Fit,
     /// As large as a square of a fixed side on pi_f that stands on the floor before the object: size counts.
@@ -64,11 +65,13 @@ impl ViewParams {
         }
     }
 
-    /// CRC-32 of the parameters' bytes (descriptor, framing, side, radius; numbers little-endian).
+    /// CRC-32 of the parameters' bytes (descriptor, framing, side, radius; numbers little-endian) and of the fixed numbers
+    /// that views depend on: templates of a version with others do not match.
     pub fn hash(&self) -> u32 {
         let (framing, side) = self.framing_fields();
         let head = crc32(0, &[self.descriptor as u8, framing]);
-        crc32(crc32(head, &side.to_le_bytes()), &self.radius.to_le_bytes())
+        let numbers = [side, self.radius, MARGIN, FRONTAL_DISTANCE];
+        numbers.iter().fold(head, |hash, number| crc32(hash, &number.to_le_bytes()))
     }
 
     pub(crate) fn from_header(header: &Header) -> Result<Self, TemplateError> {
@@ -98,6 +101,10 @@ pub struct Frontal {
     pub bbox: [u16; 4],
 }
 
+/// How much larger than the object a fitted square is. The wavelets are periodic: without a margin the object's top
+/// would meet its feet across the border (measured: docs/decisions.md).
+const MARGIN: f32 = 1.25;
+
 /// The frontal view of the pixels that carry `label` within `bbox` (first column, first row, last column, last row).
 ///
 /// `plane_to_image` is the map of [`Homography::plane_to_image`], `height` the camera's in metres; `pixel` is the angle of a
@@ -114,7 +121,7 @@ pub fn frontal<const W: usize, const H: usize>(
 ) -> Option<Frontal> {
     if let Framing::Metric { side } = framing {
         let view_to_plane = Homography::view_to_plane(height, 0.5 * side);
-        let half = 0.5 * side / super::homography::FRONTAL_DISTANCE;
+        let half = 0.5 * side / FRONTAL_DISTANCE;
         return Some(Frontal { to_image: plane_to_image.after(&view_to_plane), centre: [0.0; 2], half, bbox });
     }
     let pixels = Pixels { labels, label, bbox };
@@ -124,7 +131,7 @@ pub fn frontal<const W: usize, const H: usize>(
     let centre = pixels.mean(&to_view)?;
     let mut half = 0.0f32;
     pixels.each(&to_view, |p| half = half.max((p[0] - centre[0]).abs()).max((p[1] - centre[1]).abs()));
-    Some(Frontal { to_image, centre, half: half + pixel, bbox })
+    Some(Frontal { to_image, centre, half: MARGIN * half + pixel, bbox })
 }
 
 /// The pixels of one object.

@@ -114,10 +114,14 @@ mod tests {
     }
 
     #[test]
-    fn a_fitted_view_touches_the_objects_farthest_pixels() {
+    fn a_fitted_view_leaves_a_margin_around_the_object() {
         let view = view_of(Framing::Fit, 0.2, [0.0, 2.0], 0.4, 0.9);
-        assert!((0..SIZE).any(|i| view[3][i] > 0 || view[SIZE - 4][i] > 0));
-        assert!(view.as_flattened().iter().filter(|v| **v > 0).count() > 5000);
+        // The farthest pixel lies at 1/1.25 of the half side: 12.8 pixels from the border, 13 and something with the
+        // pixel's own size.
+        let seen = |j: usize| view[j].iter().any(|v| *v > 0);
+        let first = (0..SIZE).find(|j| seen(*j)).unwrap().min(127 - (0..SIZE).rfind(|j| seen(*j)).unwrap());
+        assert!((12..=15).contains(&first), "{first}");
+        assert!(view.as_flattened().iter().filter(|v| **v > 0).count() > 3200);
     }
 
     proptest! {
