@@ -141,7 +141,14 @@ mod tests {
     fn impossible_poses_are_refused() {
         assert_eq!(Floor::from_pose(0.0, 0.0, 0.0), Err(Error::OutOfRange("camera height")));
         assert_eq!(Floor::from_pose(1.0, f32::NAN, 0.0), Err(Error::OutOfRange("camera pitch")));
-        assert!(Floor::from_pose(1.0, 1.5707, 0.0).unwrap().axes().forward.iter().all(|v| v.is_finite()));
+        assert!(
+            Floor::from_pose(1.0, core::f32::consts::FRAC_PI_2, 0.0)
+                .unwrap()
+                .axes()
+                .forward
+                .iter()
+                .all(|v| v.is_finite())
+        );
     }
 
     proptest! {

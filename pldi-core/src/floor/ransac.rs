@@ -227,8 +227,11 @@ mod tests {
 
     type Depth = Box<Image<f32, W, H>>;
 
-    /// The nearest of some planes n . p + d = 0 along each ray, each where `limit` holds.
-    fn render(planes: &[(Floor, fn([f32; 3]) -> bool)]) -> (Depth, Rays<W, H>) {
+    /// A plane, and where it is.
+    type Part = (Floor, fn([f32; 3]) -> bool);
+
+    /// The nearest of some planes along each ray, each where its limit holds.
+    fn render(planes: &[Part]) -> (Depth, Rays<W, H>) {
         let rays = Rays::new(&Intrinsics::KINECT_QVGA).unwrap();
         let mut depth: Depth = vec![[0.0f32; W]; H].into_boxed_slice().try_into().unwrap();
         for (v, row) in depth.iter_mut().enumerate() {

@@ -71,6 +71,7 @@ impl Params {
             FilterKind::Joint => 0.0,
             FilterKind::Bilateral => 1.0,
             FilterKind::None => 2.0,
+            FilterKind::Exact => 3.0,
         };
         let mut hash = floats(
             view.hash(),

@@ -9,7 +9,8 @@ use crate::{DepthRange, Frame, Image, math};
 /// Fills `depth` with the filtered depth in metres, 0 where the weights' sum stays below the weight floor.
 ///
 /// The window reaches two spatial standard deviations. Colour enters as the Euclidean distance of (r, g, b). At a
-/// pixel without a reading the depth's Gaussian is left out: there is no J_p to compare with. `FilterKind::None` copies.
+/// pixel without a reading the depth's Gaussian is left out: there is no J_p to compare with.
+/// Colour is left out for `FilterKind::Bilateral`; every other kind counts as `Exact`.
 pub fn exact<const W: usize, const H: usize>(
     frame: &Frame<'_, W, H>,
     range: DepthRange,
@@ -17,7 +18,7 @@ pub fn exact<const W: usize, const H: usize>(
     depth: &mut Image<f32, W, H>,
 ) {
     let metres = |x: usize, y: usize| f32::from(range.apply(frame.depth[y][x])) * 1e-3;
-    let colour = frame.colour.filter(|_| params.kind == FilterKind::Joint);
+    let colour = frame.colour.filter(|_| params.kind != FilterKind::Bilateral);
     let exponent = |sigma: f32| -0.5 / (sigma * sigma);
     let (space, hue, step) =
         (exponent(params.sigma_space), exponent(params.sigma_colour), exponent(params.sigma_depth));
@@ -25,10 +26,6 @@ pub fn exact<const W: usize, const H: usize>(
     for (y, row) in depth.iter_mut().enumerate() {
         for (x, out) in row.iter_mut().enumerate() {
             let here = metres(x, y);
-            if params.kind == FilterKind::None {
-                *out = here;
-                continue;
-            }
             let (mut sum, mut weights) = (0.0, 0.0);
             for v in y.saturating_sub(reach)..(y + reach + 1).min(H) {
                 for u in x.saturating_sub(reach)..(x + reach + 1).min(W) {

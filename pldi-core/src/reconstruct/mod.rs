@@ -21,6 +21,8 @@ pub enum FilterKind {
     Joint,
     /// Depth alone guides the filter (the paper's ablation "PLDI-BF").
     Bilateral,
+    /// Equation 1 as it is written, guided by colour and depth: thousands of times slower, for comparison.
+    Exact,
     /// No filter: the measured depth as it is.
     None,
 }
@@ -117,6 +119,10 @@ pub fn reconstruct<const W: usize, const H: usize>(
     scratch: &mut FilterScratch<W, H>,
     depth: &mut Image<f32, W, H>,
 ) {
+    if params.kind == FilterKind::Exact {
+        exact::exact(frame, range, params, depth);
+        return;
+    }
     let metres = frame.depth.as_flattened().iter().map(|&d| f32::from(range.apply(d)) * 1e-3);
     if params.kind == FilterKind::None {
         depth.as_flattened_mut().iter_mut().zip(metres).for_each(|(out, z)| *out = z);

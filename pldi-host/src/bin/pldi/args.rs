@@ -110,6 +110,8 @@ enum FilterArg {
     Joint,
     /// Guided by depth alone
     Bilateral,
+    /// Equation 1 of the paper as it is written: seconds per frame
+    Exact,
     /// The measured depth as it is
     None,
 }
@@ -151,6 +153,7 @@ impl Processing {
         let kind = match self.filter {
             FilterArg::Joint => FilterKind::Joint,
             FilterArg::Bilateral => FilterKind::Bilateral,
+            FilterArg::Exact => FilterKind::Exact,
             FilterArg::None => FilterKind::None,
         };
         Params {

@@ -11,7 +11,7 @@ use pldi_fixtures::Recording as Generated;
 use pldi_host::Error;
 use pldi_host::input::{DepthScale, FrameSource, OpenOptions, QvgaFrame, Recording, reduce};
 
-use crate::templates;
+use crate::{print, templates};
 
 /// Options of `pldi bench`.
 #[derive(Debug, clap::Args)]
@@ -54,7 +54,8 @@ impl Bench {
             ws.report.floor.ok_or_else(|| Error::Usage("no floor in this frame: take another one".to_owned()))?;
         let candidates: Vec<usize> = ws.report.detections.iter().map(|d| usize::from(d.cluster)).collect();
         let pixels: u32 = candidates.iter().map(|c| ws.report.clusters[*c].pixels).sum();
-        println!("{}: {} candidates with {pixels} pixels, {} templates", frame.name, candidates.len(), set.len());
+        let (name, count) = (&frame.name, candidates.len());
+        print::line(format_args!("{name}: {count} candidates with {pixels} pixels, {} templates", set.len()))?;
 
         let mut stages = Vec::new();
         let mut time = |name, work: &mut dyn FnMut()| stages.push(self.time(name, work));
@@ -68,23 +69,23 @@ impl Bench {
         time("ground map", &mut || failure = pipeline.find_candidates(&floor, &mut ws).err());
         time("diffusion of the candidates", &mut || pipeline.diffuse_candidates(&mut ws));
         time("views", &mut || {
-            candidates.iter().for_each(|c| {
+            for c in &candidates {
                 std::hint::black_box(pipeline.frame_view(*c, &floor, &mut ws));
-            })
+            }
         });
         let view = ws.view;
         let mut plane = Box::new([[0.0; wavelet::SIZE]; wavelet::SIZE]);
         let kind: DescriptorKind = params.view.descriptor;
         time("wavelets and descriptors", &mut || {
-            candidates.iter().for_each(|_| {
+            for _ in &candidates {
                 std::hint::black_box(descriptor::describe(&view, kind, &mut plane));
-            })
+            }
         });
         let numbers = descriptor::describe(&view, kind, &mut plane);
         time("nearest templates", &mut || {
-            candidates.iter().for_each(|_| {
+            for _ in &candidates {
                 std::hint::black_box(matching::nearest(&set, &numbers));
-            })
+            }
         });
         time("whole frame", &mut || failure = pipeline.run(&input, &set, &mut ws).err());
         time("(diffusion of the whole image)", &mut || pipeline.diffuse_all(&mut ws));
@@ -92,11 +93,11 @@ impl Bench {
         if let Some(error) = failure {
             return Err(Error::core(error).into());
         }
-        println!("{:32}{:>10}{:>10}", "stage, ms on one thread", "best", "median");
+        print::line(format_args!("{:32}{:>10}{:>10}", "stage, ms on one thread", "best", "median"))?;
         for Stage { name, times } in &mut stages {
             times.sort();
             let ms = |i: usize| times[i].as_secs_f64() * 1e3;
-            println!("{name:32}{:10.3}{:10.3}", ms(0), ms(times.len() / 2));
+            print::line(format_args!("{name:32}{:10.3}{:10.3}", ms(0), ms(times.len() / 2)))?;
         }
         Ok(())
     }
