@@ -64,12 +64,22 @@ mod imp {
 mod imp {
     #[inline(always)]
     pub(super) fn sqrt(x: f32) -> f32 {
-        let root: f32;
-        // SAFETY: the instruction reads and writes one float register each, and the target has the FPU for it.
+        let mut root = x.to_bits();
+        // SAFETY: the target has an FPU with this instruction. The compiler offers no class of float registers for cores
+        // with single precision alone, so one is borrowed by hand: s0 is as before at the end.
         unsafe {
-            core::arch::asm!("vsqrt.f32 {0}, {1}", lateout(sreg) root, in(sreg) x, options(pure, nomem, nostack, preserves_flags));
+            core::arch::asm!(
+                "vmov {saved}, s0",
+                "vmov s0, {root}",
+                "vsqrt.f32 s0, s0",
+                "vmov {root}, s0",
+                "vmov s0, {saved}",
+                root = inout(reg) root,
+                saved = out(reg) _,
+                options(pure, nomem, nostack, preserves_flags),
+            );
         }
-        root
+        f32::from_bits(root)
     }
 }
 
