@@ -64,8 +64,8 @@ impl Recording {
         Self { plan, path, sensor, rate, seed, scene }
     }
 
-    /// The recording that the project shows itself with: 12 frames at 640x480 of a chair, a box, a bin, a plant, a stool
-    /// and an armchair that stand free in a room, all from held-out seeds.
+    /// The recording that the project shows itself with: 12 frames at 640x480 of an armchair, a stool, a chair, a bin, a
+    /// swivel chair, a box and a plant that stand free in a room, all from held-out seeds.
     #[must_use]
     pub fn demo() -> Self {
         let plan = RoomPlan::demo();
@@ -74,7 +74,8 @@ impl Recording {
             .map(|i| {
                 let t = i as f32 / (frames - 1) as f32;
                 // Slowly forward and a little to the side while the head turns from left to right.
-                CameraPose::new(0.15 * t - 0.45, 0.05 - 0.1 * t, 0.76 - 1.48 * t, 1.2, 0.30)
+                let [x, y] = plan::DEMO_ROBOT;
+                CameraPose::new(x - 0.1 + 0.2 * t, y + 0.05 - 0.1 * t, 0.26 - 0.52 * t, 1.2, 0.30)
             })
             .collect();
         Self::along(plan, path, Sensor::kinect_v1(), 5.0, 20)

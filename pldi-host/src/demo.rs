@@ -82,8 +82,8 @@ pub fn recognise<E: From<Error>>(
     })
 }
 
-/// One frame as a composite picture: colour above N of the whole image to the left, the overlay to the right. Colours are
-/// coarsened to 32 steps, which takes most of their noise away and makes the file small.
+/// One frame as a composite picture: colour above N of the whole image to the left, the overlay to the right. The
+/// photographs are without their noise, which nobody misses and which makes the file large.
 ///
 /// # Errors
 /// What is wrong with the frame's files; what the core says.
@@ -100,12 +100,12 @@ pub fn composite(
     let report = FrameReport::new(&frame, &workspace.report, params, templates);
     let seen = Processed { frame: &frame, pipeline: &pipeline, workspace: &workspace, report: &report };
     let mut original = recording.original(index)?;
-    original.colour = original.colour.map(coarse);
+    original.colour = original.colour.map(|rgb| calm(&rgb, original.size.0.into()));
     let right = overlay::draw(&seen, &original, templates);
     pipeline.diffuse_all(&mut workspace);
     let (width, height) = right.dimensions();
     let mut canvas = Canvas::new(320 + width, height);
-    let colour = frame.colour.map(coarse).unwrap_or_default();
+    let colour = frame.colour.as_deref().map(|rgb| calm(rgb, 320)).unwrap_or_default();
     for (i, pixel) in colour.as_chunks::<3>().0.iter().enumerate() {
         canvas.set((i % 320) as i32, (i / 320) as i32, *pixel);
     }
@@ -119,10 +119,27 @@ pub fn composite(
     Ok(canvas)
 }
 
-/// Values rounded to the middles of 32 steps.
-fn coarse(mut values: Vec<u8>) -> Vec<u8> {
-    for value in &mut values {
-        *value = (*value & 0xf8) | 4;
+/// A colour image of rows of `width` pixels without its noise: each value is the mean of those values around it (5x5) that
+/// differ little, rounded to one of 64 steps.
+fn calm(values: &[u8], width: usize) -> Vec<u8> {
+    let height = values.len() / (3 * width).max(1);
+    let around = |i: usize, end: usize| i.saturating_sub(2)..(i + 3).min(end);
+    let mut out = Vec::with_capacity(values.len());
+    for y in 0..height {
+        for x in 0..width {
+            for c in 0..3 {
+                let at = |x: usize, y: usize| values[3 * (y * width + x) + c];
+                let centre = at(x, y);
+                let (mut sum, mut count) = (0u32, 0u32);
+                for (u, v) in around(y, height).flat_map(|v| around(x, width).map(move |u| (u, v))) {
+                    if at(u, v).abs_diff(centre) <= 12 {
+                        sum += u32::from(at(u, v));
+                        count += 1;
+                    }
+                }
+                out.push((sum / count.max(1)) as u8 & 0xfc);
+            }
+        }
     }
-    values
+    out
 }

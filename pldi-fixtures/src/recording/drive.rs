@@ -227,7 +227,7 @@ mod tests {
                 seen += usize::from(!stops.is_empty());
                 views += stops.len();
             }
-            println!("{} {objects} {seen} {views}", class.name());
+            assert!(objects >= 10 && seen >= 7 && views >= 20, "{}: {objects}, {seen}, {views}", class.name());
         }
     }
 }

@@ -17,6 +17,9 @@ const FROM_WALL: f32 = 0.4;
 /// Radius of the space in the middle that stays free for the robot, in metres.
 const FREE: f32 = 0.9;
 
+/// The middle of the robot's way in the demo.
+pub(super) const DEMO_ROBOT: [f32; 2] = [-1.0, 0.0];
+
 /// One object of a room.
 #[derive(Debug, Clone)]
 pub struct PlacedObject {
@@ -141,21 +144,23 @@ impl RoomPlan {
             Some(Material::new([196, 206, 208], Texture::Noise)),
             Some(Material::new([214, 208, 190], Texture::Noise)),
         ];
-        // Polar about the robot's start, so that the free angles between the objects are plain to see: bearing in
-        // degrees, distance in metres, turn away from facing the robot in rad.
+        // Polar about the middle of the robot's way, so that the free angles between the objects are plain to see:
+        // bearing in degrees, distance in metres, turn away from facing the robot in rad. Near and far objects alternate.
         let place = |class, object, bearing: f32, distance: f32, turn: f32| {
             let angle = bearing * PI / 180.0;
             let (s, c) = libm::sincosf(angle);
-            let pose = Pose { x: distance * c, y: distance * s, yaw: wrap(angle + PI + turn) };
+            let [x, y] = DEMO_ROBOT;
+            let pose = Pose { x: x + distance * c, y: y + distance * s, yaw: wrap(angle + PI + turn) };
             PlacedObject::new(class, HELD_OUT_SEEDS + object, pose)
         };
         let objects = vec![
-            place(Class::Armchair, 2, 65.0, 2.5, 0.5),
-            place(Class::Box, 0, 35.0, 2.3, 0.2),
-            place(Class::Chair, 3, 9.0, 2.4, -0.6),
-            place(Class::Bin, 2, -12.0, 2.1, 0.0),
-            place(Class::Stool, 0, -31.0, 2.3, 0.3),
-            place(Class::Plant, 4, -60.0, 2.7, 0.0),
+            place(Class::Armchair, 1, 35.5, 3.2, 0.5),
+            place(Class::Stool, 0, 22.5, 2.3, 0.3),
+            place(Class::Chair, 1, 10.5, 3.1, -0.6),
+            place(Class::Bin, 2, 0.0, 2.2, 0.0),
+            place(Class::SwivelChair, 4, -11.5, 3.2, 0.5),
+            place(Class::Box, 10, -22.5, 2.3, 0.3),
+            place(Class::Plant, 6, -33.5, 3.0, 0.0),
         ];
         Self { room, light: Light::default(), objects }
     }

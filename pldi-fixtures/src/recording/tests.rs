@@ -73,7 +73,7 @@ fn the_demo_shows_free_objects_of_many_classes() {
         classes.extend(clear.iter().map(|t| t.class.clone()));
         assert!(frame.truth.iter().all(|t| t.object >= HELD_OUT_SEEDS));
     }
-    assert!(classes.len() == 6 && sightings >= 24, "{sightings} of {classes:?}");
+    assert!(classes.len() >= 6 && sightings >= 40, "{sightings} of {classes:?}");
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::args::{Processing, Threads};
 use crate::{progress, templates};
 
 /// The frame that `--picture` shows.
-const PICTURED: usize = 5;
+const PICTURED: usize = 10;
 
 /// Options of `pldi demo`.
 #[derive(Debug, clap::Args)]
