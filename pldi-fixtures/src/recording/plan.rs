@@ -160,7 +160,7 @@ impl RoomPlan {
             place(Class::Bin, 2, 0.0, 2.2, 0.0),
             place(Class::SwivelChair, 4, -11.5, 3.2, 0.5),
             place(Class::Box, 10, -22.5, 2.3, 0.3),
-            place(Class::Plant, 6, -33.5, 3.0, 0.0),
+            place(Class::Plant, 6, -35.0, 3.15, 0.0),
         ];
         Self { room, light: Light::default(), objects }
     }
