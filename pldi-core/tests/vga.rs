@@ -95,10 +95,11 @@ fn a_chest_has_its_size_and_place_at_vga_and_at_qvga() {
             assert_eq!((large.len(), small.len()), (1, 1), "{at:?}");
             let (large, small) = (large[0].0, small[0].0);
             println!("{at:?}: VGA {:?} {:?}, QVGA {:?} {:?}", large.size, large.centroid, small.size, small.centroid);
-            // The box faces the sensor, to which the chest stands aslant: there it is wider. Cells are 2 cm.
+            // The box faces the sensor, to which the chest stands aslant: there it is wider. Cells are 2 cm, and along the
+            // line of sight the noise (7.5 mm at 2.3 m) carries single points out at both ends.
             let slope = (at[0] / at[1]).abs() as f32;
             let (cos, sin) = (1.0 / (1.0 + slope * slope).sqrt(), slope / (1.0 + slope * slope).sqrt());
-            let truth = [(0.6 * cos + 0.4 * sin, 0.06), (0.5, 0.02), (0.4 * cos + 0.6 * sin, 0.06)];
+            let truth = [(0.6 * cos + 0.4 * sin, 0.06), (0.5, 0.02), (0.4 * cos + 0.6 * sin, 0.07)];
             for (k, (want, tolerance)) in truth.into_iter().enumerate() {
                 for size in [large.size, small.size] {
                     assert!((size[k] - want).abs() < tolerance, "{at:?} axis {k}: {size:?}");

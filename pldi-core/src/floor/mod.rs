@@ -30,6 +30,16 @@ impl Floor {
         Ok(Self { normal: [sr * -cp, cr * -cp, -sp], height })
     }
 
+    /// Checks a plane that was put together by hand: a unit normal and a height as in [`Floor::from_pose`].
+    ///
+    /// # Errors
+    /// `OutOfRange` with what is wrong (also for NaN).
+    pub fn validate(&self) -> Result<(), Error> {
+        let [x, y, z] = self.normal;
+        crate::error::within("length of the floor's normal", x * x + y * y + z * z, 0.999, 1.001)?;
+        crate::error::within("camera height", self.height, 0.01, 10.0)
+    }
+
     /// Height of a point of the camera frame above the floor, in metres.
     #[inline(always)]
     pub fn height_of(&self, p: [f32; 3]) -> f32 {
@@ -135,6 +145,16 @@ mod tests {
         assert!((floor.height_of([0.3, 1.2, 2.0])).abs() < 1e-6);
         let q = floor.axes().to_floor([0.3, 0.2, 2.0]);
         assert!((q[0] - 0.3).abs() < 1e-6 && (q[1] - 2.0).abs() < 1e-6 && (q[2] - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn planes_that_are_none_are_refused() {
+        let good = Floor::from_pose(1.2, 0.3, 0.1).unwrap();
+        assert_eq!(good.validate(), Ok(()));
+        let normal = "length of the floor's normal";
+        assert_eq!(Floor { normal: [0.0; 3], ..good }.validate(), Err(Error::OutOfRange(normal)));
+        assert_eq!(Floor { normal: [f32::NAN, 0.0, 1.0], ..good }.validate(), Err(Error::OutOfRange(normal)));
+        assert_eq!(Floor { height: f32::INFINITY, ..good }.validate(), Err(Error::OutOfRange("camera height")));
     }
 
     #[test]

@@ -39,9 +39,9 @@ impl Rejection {
 pub struct Limits {
     /// Fewest pixels (of a QVGA image); below, it is noise. Default 60.
     pub min_pixels: u32,
-    /// Smallest and largest area of the footprint in m^2. Default 0.01 to 4.
+    /// Smallest and largest area of the footprint in m^2. Default 0.01 to 6.
     pub area: (f32, f32),
-    /// Smallest and largest length of the footprint's contour in m. Default 0.3 to 14.
+    /// Smallest and largest length of the footprint's contour in m. Default 0.3 to 24.
     pub length: (f32, f32),
     /// Smallest height above the floor in m. Default 0.15.
     pub min_top: f32,
@@ -57,8 +57,8 @@ impl Limits {
     /// For furniture.
     pub const DEFAULT: Self = Self {
         min_pixels: 60,
-        area: (0.01, 4.0),
-        length: (0.3, 14.0),
+        area: (0.01, 6.0),
+        length: (0.3, 24.0),
         min_top: 0.15,
         max_occluded: 0.1,
         hidden: 0.25,

@@ -28,7 +28,7 @@ pub struct DensityParams {
     pub lateral: f32,
     /// Factor on both, the kernel's bandwidth. Default 1.
     pub bandwidth: f32,
-    /// Density from which a cell is occupied: pixels per cell, counted as if they were seen from 2 m. Default 1.5.
+    /// Density from which a cell is occupied: pixels per cell, counted as if they were seen from 2 m. Default 1.
     pub threshold: f32,
 }
 
@@ -41,7 +41,7 @@ impl DensityParams {
         axial: 1.425e-3,
         lateral: 0.8,
         bandwidth: 1.0,
-        threshold: 1.5,
+        threshold: 1.0,
     };
 
     /// Checks every number against its stated range.

@@ -54,8 +54,9 @@ impl Params {
             return Err(Error::OutOfRange("depth range"));
         }
         self.filter.validate()?;
-        if let FloorMode::Ransac(ransac) = &self.floor {
-            ransac.validate()?;
+        match &self.floor {
+            FloorMode::Fixed(floor) => floor.validate()?,
+            FloorMode::Ransac(ransac) => ransac.validate()?,
         }
         self.area.validate()?;
         self.density.validate()?;
