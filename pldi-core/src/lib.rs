@@ -2,10 +2,13 @@
 #![deny(unsafe_code)]
 #![doc = include_str!("../README.md")]
 
+mod canberra;
+mod crc;
+mod eigen;
 mod error;
 
 pub mod math;
-// In the order of the data's way; modules import only upwards.
+// In the order of the data's way.
 pub mod frame;
 pub mod rays;
 pub mod reconstruct;

@@ -1,11 +1,10 @@
-//! Canberra distance and the nearest neighbours among templates (paper, section 5).
+//! The nearest neighbours among templates (paper, section 5).
 
-use crate::descriptor::{Descriptor, LENGTH};
-use crate::templates::Templates;
+use crate::descriptor::Descriptor;
+use crate::templates::{MAX_CLASSES, Templates};
 use heapless::Vec;
 
-/// Classes that a template set can have at most.
-pub const MAX_CLASSES: usize = 64;
+pub use crate::canberra::canberra;
 
 /// Hypotheses that are kept for an object at most, one per class.
 pub const MAX_HYPOTHESES: usize = 5;
@@ -25,32 +24,6 @@ pub struct Hypothesis {
     /// Margin in 0..=1: d'/(d + d'), where d is the distance and d' the smallest distance to any other class. Above
     /// 0.5 only for the best class; 1 if it fits exactly; 0.5 where two classes are equally near; 1 if there is no other.
     pub score: f32,
-}
-
-/// The Canberra distance: the sum of |a - b| / (|a| + |b|), where a term with both zero is 0. In 0..=58.
-pub fn canberra(a: &Descriptor, b: &Descriptor) -> f32 {
-    canberra_with(a, |i| b[i])
-}
-
-/// The distance to a descriptor that is read number by number (from flash, in its byte order).
-#[inline(always)]
-pub(crate) fn canberra_with(a: &Descriptor, b: impl Fn(usize) -> f32) -> f32 {
-    const LANES: usize = 4;
-    let term = |i: usize| {
-        let b = b(i);
-        let sum = a[i].abs() + b.abs();
-        (a[i] - b).abs() / if sum > 0.0 { sum } else { 1.0 }
-    };
-    let mut lanes = [0.0f32; LANES];
-    for i in (0..LENGTH - LENGTH % LANES).step_by(LANES) {
-        for (k, lane) in lanes.iter_mut().enumerate() {
-            *lane += term(i + k);
-        }
-    }
-    for (k, lane) in lanes.iter_mut().enumerate().take(LENGTH % LANES) {
-        *lane += term(LENGTH - LENGTH % LANES + k);
-    }
-    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
 }
 
 /// The nearest template of each of the best classes, best first, at most [`MAX_HYPOTHESES`]; empty for an empty set.
@@ -97,18 +70,6 @@ fn margin(distance: f32, other: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn terms_with_both_zero_are_zero() {
-        let mut a = [0.0; LENGTH];
-        assert_eq!(canberra(&a, &[0.0; LENGTH]), 0.0);
-        a[3] = 2.0;
-        assert_eq!(canberra(&a, &[0.0; LENGTH]), 1.0);
-        a[57] = -1.0;
-        assert_eq!(canberra(&a, &a.map(|v| -v)), 2.0);
-        assert_eq!(canberra(&[1.0; LENGTH], &[3.0; LENGTH]), 29.0);
-    }
 
     #[test]
     fn margins() {
@@ -116,19 +77,5 @@ mod tests {
             [margin(1.0, 3.0), margin(3.0, 1.0), margin(0.0, 0.0), margin(2.0, f32::INFINITY)],
             [0.75, 0.25, 0.5, 1.0]
         );
-    }
-
-    proptest! {
-        #[test]
-        fn the_distance_is_symmetric_and_bounded(
-            a in proptest::collection::vec(-1.0f32..1.0, LENGTH), b in proptest::collection::vec(-1.0f32..1.0, LENGTH),
-        ) {
-            let a: Descriptor = a.try_into().unwrap();
-            let b: Descriptor = b.try_into().unwrap();
-            let d = canberra(&a, &b);
-            prop_assert_eq!(d, canberra(&b, &a));
-            prop_assert!((0.0..=58.0).contains(&d));
-            prop_assert_eq!(canberra(&a, &a), 0.0);
-        }
     }
 }

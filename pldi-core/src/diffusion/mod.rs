@@ -1,11 +1,10 @@
 //! The projective light diffusion image (paper, section 3): N = |n . v| / |v|, the cosine between the surface's
 //! normal and the ray to the pixel, as if the scene were lit from the camera.
 
-pub mod eigen;
 pub mod normals;
 
+use crate::eigen::dot;
 use crate::{Image, Rays, math};
-use eigen::dot;
 use normals::LANES;
 
 /// N is stored as an unsigned fraction: this value is 1.

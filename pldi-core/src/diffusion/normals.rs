@@ -10,7 +10,7 @@
 //! Only the moments of a and b need a sum per neighbour; those with c follow row by row. All sums are relative to the
 //! centre: sums about the origin would cancel (square millimetres at a distance of metres).
 
-use super::eigen::{self, Symmetric3};
+use crate::eigen::{self, Symmetric3};
 use crate::{Image, Rays, math};
 
 /// Pixels that are worked on side by side: the same additions in the same order on every target, in vector registers

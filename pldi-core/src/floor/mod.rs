@@ -68,7 +68,7 @@ impl Floor {
         }
         let scale = 1.0 / math::sqrt(length2);
         let forward = forward.map(|v| v * scale);
-        FloorAxes { right: crate::diffusion::eigen::cross(forward, n), forward, floor: *self }
+        FloorAxes { right: crate::eigen::cross(forward, n), forward, floor: *self }
     }
 }
 

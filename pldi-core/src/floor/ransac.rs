@@ -2,7 +2,7 @@
 //! same frame has the same floor on every machine.
 
 use super::Floor;
-use crate::diffusion::eigen::{self, cross, dot};
+use crate::eigen::{self, cross, dot};
 use crate::{Error, Image, Rays, math};
 use heapless::Vec;
 

@@ -1,9 +1,9 @@
 //! All parameters of the pipeline.
 
+use crate::crc::crc32;
 use crate::floor::FloorMode;
 use crate::ground::{AreaParams, DensityParams, Limits};
 use crate::reconstruct::{FilterKind, FilterParams};
-use crate::templates::crc32;
 use crate::view::ViewParams;
 use crate::{DepthRange, Error};
 

@@ -1,6 +1,6 @@
 //! The bytes of a template file, for readers and writers.
 
-use super::crc32;
+use crate::crc::crc32;
 use crate::descriptor::LENGTH;
 use zerocopy::little_endian::{F32, U16, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};

@@ -3,18 +3,20 @@
 //! All numbers are little-endian and no alignment is asked for. The file is a [`layout::Header`], the class names,
 //! the objects and the templates, one after the other; its CRC-32 covers everything but the checksum's own field.
 
-mod crc;
 pub mod layout;
 
-pub use crc::crc32;
+pub use crate::crc::crc32;
 pub use layout::{MAGIC, VERSION};
 
 use crate::TemplateError;
+use crate::canberra::canberra_with;
 use crate::descriptor::{Descriptor, DescriptorKind};
-use crate::matching::{MAX_CLASSES, canberra_with};
-use crate::view::ViewParams;
+use crate::view::{Framing, ViewParams};
 use layout::{Class, Header, Object, Record};
 use zerocopy::FromBytes;
+
+/// Classes that a template set can have at most.
+pub const MAX_CLASSES: usize = 64;
 
 /// A template set, borrowed from the bytes that hold it.
 #[derive(Debug, Clone, Copy)]
@@ -58,7 +60,7 @@ impl<'a> Templates<'a> {
         let (classes, rest) = <[Class]>::ref_from_prefix_with_elems(body, classes).map_err(|_| cut(expected))?;
         let (objects, rest) = <[Object]>::ref_from_prefix_with_elems(rest, objects).map_err(|_| cut(expected))?;
         let records = <[Record]>::ref_from_bytes_with_elems(rest, records).map_err(|_| cut(expected))?;
-        let view = ViewParams::from_header(header)?;
+        let view = view_params(header)?;
         let set = Self { header, classes, objects, records, view, checksum: stored };
         set.check()?;
         Ok(set)
@@ -155,6 +157,20 @@ impl<'a> Templates<'a> {
             class: objects.get(usize::from(record.object)).map_or(u16::MAX, |o| o.class.get()),
         })
     }
+}
+
+/// The view parameters that a header records.
+fn view_params(header: &Header) -> Result<ViewParams, TemplateError> {
+    let framing = match (header.framing, header.side.get()) {
+        (0, _) => Framing::Fit,
+        (1, side) => Framing::Metric { side },
+        _ => return Err(TemplateError::Field("framing")),
+    };
+    let descriptor =
+        DescriptorKind::from_number(header.descriptor).ok_or(TemplateError::Field("kind of descriptor"))?;
+    let view = ViewParams { descriptor, framing, radius: header.radius.get() };
+    view.validate().map_err(|_| TemplateError::Field("view parameters"))?;
+    Ok(view)
 }
 
 /// One template: a view of an object.

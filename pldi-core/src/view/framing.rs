@@ -2,9 +2,9 @@
 
 use super::Homography;
 use super::homography::FRONTAL_DISTANCE;
+use crate::crc::crc32;
 use crate::descriptor::DescriptorKind;
-use crate::templates::{crc32, layout::Header};
-use crate::{Error, Image, TemplateError};
+use crate::{Error, Image};
 
 /// How the square is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -72,19 +72,6 @@ impl ViewParams {
         let head = crc32(0, &[self.descriptor as u8, framing]);
         let numbers = [side, self.radius, MARGIN, FRONTAL_DISTANCE];
         numbers.iter().fold(head, |hash, number| crc32(hash, &number.to_le_bytes()))
-    }
-
-    pub(crate) fn from_header(header: &Header) -> Result<Self, TemplateError> {
-        let framing = match (header.framing, header.side.get()) {
-            (0, _) => Framing::Fit,
-            (1, side) => Framing::Metric { side },
-            _ => return Err(TemplateError::Field("framing")),
-        };
-        let descriptor =
-            DescriptorKind::from_number(header.descriptor).ok_or(TemplateError::Field("kind of descriptor"))?;
-        let view = Self { descriptor, framing, radius: header.radius.get() };
-        view.validate().map_err(|_| TemplateError::Field("view parameters"))?;
-        Ok(view)
     }
 }
 

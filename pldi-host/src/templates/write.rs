@@ -48,7 +48,7 @@ impl TemplateSet {
     /// `Usage` where there are more classes, objects or views than the format holds.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
         let too_many = |what: &str, n: usize| Error::Usage(format!("{n} {what} are more than a template file holds"));
-        if self.classes.len() > pldi_core::matching::MAX_CLASSES {
+        if self.classes.len() > pldi_core::templates::MAX_CLASSES {
             return Err(too_many("classes", self.classes.len()));
         }
         let objects = u16::try_from(self.objects.len()).map_err(|_| too_many("objects", self.objects.len()))?;
