@@ -1,6 +1,36 @@
 //! The library behind the command `pldi`: RGB-D recordings in, templates from meshes, files out.
 //!
 //! Everything that decides what is recognised lives in `pldi_core`; this crate brings frames to it and results away.
+//!
+//! ```
+//! use pldi_core::Params;
+//! use pldi_core::templates::Templates;
+//! use pldi_host::input::{OpenOptions, Recording};
+//! use pldi_host::{runner, templates};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! # let folder = folder.path();
+//! // A recording as users have them: here two frames of the generated one.
+//! let mut generated = pldi_fixtures::Recording::demo();
+//! generated.path.truncate(2);
+//! pldi_fixtures::write_tum(&generated, "demo", folder)?;
+//!
+//! let recording = Recording::open(folder, &OpenOptions::default())?;
+//! let set = Templates::parse(templates::EMBEDDED)?;
+//! let params = Params { view: *set.view_params(), ..Params::DEFAULT };
+//! let mut found = 0;
+//! runner::run::<_, pldi_host::Error>(&recording, &params, &set, 1, |_| Ok(()), |index, result| {
+//!     for detection in &result?.report.detections {
+//!         println!("frame {index}: {} at {:?}", detection.results[0].class_id, detection.center);
+//!         found += 1;
+//!     }
+//!     Ok(true)
+//! })?;
+//! assert!(found >= 2);
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod demo;
 pub mod error;

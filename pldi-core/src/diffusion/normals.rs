@@ -51,10 +51,13 @@ pub fn directions<const W: usize, const H: usize>(
         step: 1.0 / k.fx,
         sums: Sums::default(),
     };
+    let bound = Bound::new(radius, nearest, &window.x, y);
     let first = v.saturating_sub(reach_y);
     let rows = depth.iter().zip(rays.y()).take(v + reach_y + 1).skip(first);
     for (line, &y_there) in rows {
-        window.add_row(line, u, reach_x, y_there, y_there - y);
+        let dy = y_there - y;
+        let Some(reach) = bound.columns(dy, k.fx) else { continue };
+        window.add_row(line, u, reach.min(reach_x), y_there, dy);
     }
     core::array::from_fn(|i| {
         let y_centre = y;
@@ -96,6 +99,49 @@ struct RowSums {
     aa: Lanes,
     ab: Lanes,
     bb: Lanes,
+}
+
+/// How far from the centre's column a row's points within the radius can be seen: (a, c) are the point's offset from the
+/// centre projected along the ray, so they lie in the ellipse with the matrix 1 + (x, y)^T (x, y), times the radius.
+struct Bound {
+    /// Depth of the nearest possible neighbour.
+    depth: f32,
+    /// Radius squared.
+    radius2: f32,
+    /// 1 + y^2.
+    along_y: f32,
+    /// The ellipse's half width at c = 0 is the root of this times the radius.
+    width2: f32,
+    /// Largest |x y| / (1 + y^2): how far the ellipse leans, per c.
+    lean: f32,
+}
+
+impl Bound {
+    fn new(radius: f32, nearest: f32, x: &Lanes, y: f32) -> Self {
+        let x = x.iter().fold(0.0f32, |m, x| m.max(x.abs()));
+        let along_y = 1.0 + y * y;
+        Self {
+            depth: nearest - radius,
+            radius2: radius * radius,
+            along_y,
+            width2: (1.0 + x * x + y * y) / along_y,
+            lean: x * y.abs() / along_y,
+        }
+    }
+
+    /// Columns to each side at most, for a focal length `f` in pixels; `None` where the row is out of reach.
+    #[inline(always)]
+    fn columns(&self, dy: f32, f: f32) -> Option<usize> {
+        let c = dy * self.depth;
+        let left = self.radius2 - c * c / self.along_y;
+        if left < 0.0 {
+            return None;
+        }
+        // c itself is at most radius * sqrt(1 + y^2).
+        let a = math::sqrt(left * self.width2) + self.lean * math::sqrt(self.radius2 * self.along_y);
+        // The nearest depth can be next to nothing; the caller bounds the window anyway.
+        Some((math::floor((a * f / self.depth).min(4096.0)) + 1).clamp(1, 4096) as usize)
+    }
 }
 
 impl Window {
@@ -145,20 +191,22 @@ impl Sums {
     /// Adds a row, whose neighbours all have c = dy (z + b).
     #[inline(always)]
     fn add(&mut self, row: &RowSums, z: &Lanes, dy: f32) {
-        for i in 0..LANES {
-            let (n, a, b) = (row.n[i], row.a[i], row.b[i]);
-            self.n[i] += n;
-            self.a[i] += a;
-            self.b[i] += b;
-            self.aa[i] += row.aa[i];
-            self.ab[i] += row.ab[i];
-            self.bb[i] += row.bb[i];
-            let (zn, zb) = (z[i] * n + b, z[i] * b + row.bb[i]);
-            self.c[i] += dy * zn;
-            self.ac[i] += dy * (z[i] * a + row.ab[i]);
-            self.bc[i] += dy * zb;
-            self.cc[i] += dy * dy * (z[i] * (zn + b) + row.bb[i]);
-        }
+        // One quantity at a time, all lanes of it: that is what compilers turn into vector instructions.
+        let lanes = |f: &dyn Fn(usize) -> f32| -> Lanes { core::array::from_fn(f) };
+        let add = |sum: &mut Lanes, more: Lanes| (0..LANES).for_each(|i| sum[i] += more[i]);
+        let zn = lanes(&|i| z[i] * row.n[i] + row.b[i]);
+        let zb = lanes(&|i| z[i] * row.b[i] + row.bb[i]);
+        let za = lanes(&|i| z[i] * row.a[i] + row.ab[i]);
+        add(&mut self.n, row.n);
+        add(&mut self.a, row.a);
+        add(&mut self.b, row.b);
+        add(&mut self.aa, row.aa);
+        add(&mut self.ab, row.ab);
+        add(&mut self.bb, row.bb);
+        add(&mut self.c, zn.map(|v| dy * v));
+        add(&mut self.ac, za.map(|v| dy * v));
+        add(&mut self.bc, zb.map(|v| dy * v));
+        add(&mut self.cc, lanes(&|i| dy * dy * (z[i] * zn[i] + zb[i])));
     }
 
     /// The covariance (m^2) of the neighbours of pixel `i`, whose ray is (x, y, 1); `None` for fewer than three.

@@ -114,7 +114,12 @@ pub fn find<const W: usize, const H: usize>(
         if !params.plausible(&floor) {
             continue;
         }
-        let mut entry = (score(&points, &floor, params), Some(floor));
+        // A quarter of the points tells which planes have no chance to be a finalist.
+        let rough = 4 * score(points.iter().step_by(4), &floor, params) + points.len() as i32 / 10;
+        if finalists.last().is_some_and(|last| rough < last.0) {
+            continue;
+        }
+        let mut entry = (score(points.iter(), &floor, params), Some(floor));
         for place in &mut finalists {
             if entry.0 > place.0 {
                 core::mem::swap(place, &mut entry);
@@ -124,7 +129,7 @@ pub fn find<const W: usize, const H: usize>(
     let mut best: (i32, Option<Floor>) = (0, None);
     for floor in finalists.iter().filter_map(|(_, floor)| *floor) {
         let floor = refine(&points, floor, params);
-        let score = score(&points, &floor, params);
+        let score = score(points.iter(), &floor, params);
         if params.plausible(&floor) && score > best.0 {
             best = (score, Some(floor));
         }
@@ -160,7 +165,7 @@ fn oriented(normal: [f32; 3], point: [f32; 3]) -> Floor {
 }
 
 /// Points on the plane, less three times those clearly below it; a fifth of that for steep views.
-fn score(points: &[[f32; 3]], floor: &Floor, params: &RansacParams) -> i32 {
+fn score<'a>(points: impl Iterator<Item = &'a [f32; 3]>, floor: &Floor, params: &RansacParams) -> i32 {
     let (mut on, mut below) = (0, 0);
     for p in points {
         let (distance, tolerance) = (floor.height_of(*p), params.tolerance_at(p[2]));
