@@ -10,7 +10,7 @@ use heapless::Vec;
 const MAX_POINTS: usize = 2200;
 
 /// Hypotheses that are refined at the end.
-const FINALISTS: usize = 6;
+const FINALISTS: usize = 3;
 
 /// Rounds of refinement by least squares over the points within so many tolerances of the plane: from wide to narrow,
 /// because a sampled plane is tilted by its points' noise, and in the end the feet of walls should not tilt it.

@@ -44,16 +44,33 @@ fn sample<const W: usize, const H: usize>(
 ) -> u16 {
     let (column, row) = (math::floor(u), math::floor(v));
     let (a, b) = (u - column as f32, v - row as f32);
-    let at = |dx: i32, dy: i32| {
-        let (x, y) = ((column + dx) as usize, (row + dy) as usize);
-        match (labels.get(y).and_then(|r| r.get(x)), n.get(y).and_then(|r| r.get(x))) {
-            (Some(l), Some(n)) if *l == label => f32::from(*n),
-            _ => 0.0,
-        }
+    let inside = usize::try_from(column).ok().zip(usize::try_from(row).ok());
+    let square = inside.and_then(|(x, y)| Some((pair(labels, x, y)?, pair(n, x, y)?)));
+    let [[upper_left, upper_right], [lower_left, lower_right]] = match square {
+        Some((labels, n)) => core::array::from_fn(|j| {
+            core::array::from_fn(|i| if labels[j][i] == label { f32::from(n[j][i]) } else { 0.0 })
+        }),
+        // At the image's border, pixel by pixel.
+        None => core::array::from_fn(|j| {
+            core::array::from_fn(|i| {
+                let (x, y) = ((column + i as i32) as usize, (row + j as i32) as usize);
+                match (labels.get(y).and_then(|r| r.get(x)), n.get(y).and_then(|r| r.get(x))) {
+                    (Some(l), Some(n)) if *l == label => f32::from(*n),
+                    _ => 0.0,
+                }
+            })
+        }),
     };
-    let upper = at(0, 0) + a * (at(1, 0) - at(0, 0));
-    let lower = at(0, 1) + a * (at(1, 1) - at(0, 1));
+    let upper = upper_left + a * (upper_right - upper_left);
+    let lower = lower_left + a * (lower_right - lower_left);
     (upper + b * (lower - upper) + 0.5) as u16
+}
+
+/// The 2x2 pixels from column `x` and row `y` on; `None` where they are not all inside of the image.
+#[inline(always)]
+fn pair<const W: usize, const H: usize>(image: &Image<u16, W, H>, x: usize, y: usize) -> Option<[[u16; 2]; 2]> {
+    let rows: &[[u16; W]; 2] = image.get(y..)?.first_chunk()?;
+    Some([*rows[0].get(x..)?.first_chunk()?, *rows[1].get(x..)?.first_chunk()?])
 }
 
 #[cfg(test)]
