@@ -103,7 +103,7 @@ pub fn project<const W: usize, const H: usize>(
 /// Gaussians are cut off at this squared Mahalanobis distance.
 const CUT: f32 = 9.0;
 
-/// exp(-q/2) for squared distances q below [`CUT`], in steps of 1/8.
+/// exp(-q/2) for squared distances q below the cut at 9, in steps of 1/8.
 #[derive(Debug, Clone)]
 #[allow(missing_copy_implementations, reason = "a table")]
 pub struct Gaussian([f32; 73]);

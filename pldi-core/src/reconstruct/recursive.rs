@@ -1,5 +1,5 @@
 //! The recursive filter of the domain transform, both ways along rows and columns, on two images at a time
-//! (Gastal and Oliveira 2011, section 5): F[x] += a^d[x] (F[x-1] - F[x]) forth, then the same back.
+//! (Gastal and Oliveira 2011, section 5): `F[x] += a^d[x] (F[x-1] - F[x])` forth, then the same back.
 
 use crate::Image;
 
