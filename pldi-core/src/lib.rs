@@ -7,6 +7,7 @@ mod crc;
 mod eigen;
 mod error;
 
+pub mod fixed;
 pub mod math;
 // In the order of the data's way.
 pub mod frame;

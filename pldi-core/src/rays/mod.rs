@@ -1,5 +1,7 @@
 //! The rays of all pixels, computed once for a camera: back-projection without divisions.
 
+pub mod fixed;
+
 use crate::{Error, Intrinsics};
 
 /// Directions K^-1 [u, v, 1]^T of every pixel, scaled so that z = 1: a column's x and a row's y.
