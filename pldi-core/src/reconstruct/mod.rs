@@ -5,6 +5,7 @@
 //! recursive domain transform of Gastal and Oliveira (2011); [`exact`] is equation 1 as written, for comparison.
 
 pub mod exact;
+pub mod fixed;
 pub mod guide;
 pub mod recursive;
 

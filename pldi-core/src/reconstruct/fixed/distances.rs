@@ -1,0 +1,155 @@
+//! Distances between neighbouring pixels in the transformed domain, in 8 bits, and the weights that belong to them.
+//!
+//! d = 1 + (ss/s_rgb) sum_c |dI_c| + (ss/s_d) |dJ| (paper, equation 2 with the ratios of Gastal and Oliveira 2011). The
+//! code k stands for d = 1 + k step. The step is a whole part of what a millimetre of depth counts, so that with the
+//! default parameters, where a level of colour counts as much as 4 mm, nothing is rounded at all; and large enough for
+//! code 254 to reach a weight of e^-9 in the first iteration. Code 255 is every larger distance, and its weight is 0:
+//! nothing is passed on.
+
+use super::{FilterParams, MAX_ITERATIONS};
+use crate::fixed::exp_neg;
+use crate::reconstruct::FilterKind;
+
+/// e^-9 is a weight of 1/8000: beyond this many decay lengths nothing is passed on.
+const REACH: u64 = 9;
+
+/// sqrt(2/3) in Q32.
+const ROOT_OF_TWO_THIRDS: u64 = 3_506_826_111;
+
+/// How differences become codes, and codes weights.
+#[derive(Debug, Clone)]
+#[allow(missing_copy_implementations, reason = "2.5 kB of tables")]
+pub struct DistanceTable {
+    /// Codes per level of colour, Q16: at most 46.
+    per_level: u32,
+    /// Codes per mm, Q16: at most 47.
+    per_mm: u32,
+    /// Depth differences beyond this many mm count as this many.
+    max_step: u16,
+    /// a^d of each iteration, Q16.
+    weights: [[u16; 256]; MAX_ITERATIONS],
+}
+
+impl DistanceTable {
+    /// The tables for validated parameters.
+    pub fn new(params: &FilterParams) -> Self {
+        let space = u64::from(params.sigma_space);
+        let n = u32::from(params.iterations).clamp(1, MAX_ITERATIONS as u32);
+        // rate = sqrt(2) / sigma_H of the first iteration = sqrt(2/3) sqrt(4^N - 1) / (ss 2^(N-1)), Q24: at most 4.
+        let root = (((1u64 << (2 * n)) - 1) << 40).isqrt();
+        let rate = ((ROOT_OF_TWO_THIRDS * root) >> 12) / (space << (n - 1));
+        // Distances in Q24.
+        let colour = (space << 24) / u64::from(params.sigma_colour);
+        let mm = (space << 15) / u64::from(params.sigma_depth);
+        let least = ((REACH << 48) / rate.max(1)).div_ceil(254).max(1);
+        let step = if mm > least { mm.div_ceil(mm / least) } else { least };
+        let codes = |distance: u64| (((distance << 16) + step / 2) / step).min(47 << 16) as u32;
+        let (per_level, per_mm) = (codes(if params.kind == FilterKind::Joint { colour } else { 0 }), codes(mm));
+        // From there on the code is 255 whatever the colours say.
+        let max_step = (255u32 << 16).div_ceil(per_mm.max(1)).min(2047) as u16;
+        let weight = |i: usize, k: usize| {
+            if k == 255 {
+                return 0;
+            }
+            // Q24 times Q16: below 2^31 each.
+            let distance = ((1 << 24) + k as u64 * step) >> 8;
+            let exponent = ((rate << i) * distance) >> 16;
+            let weight = exp_neg(u32::try_from(exponent).unwrap_or(u32::MAX));
+            (weight.saturating_add(1 << 15) >> 16) as u16
+        };
+        Self { per_level, per_mm, max_step, weights: core::array::from_fn(|i| core::array::from_fn(|k| weight(i, k))) }
+    }
+
+    /// a^d in Q16 by code, for each iteration.
+    pub fn weights(&self) -> &[[u16; 256]; MAX_ITERATIONS] {
+        &self.weights
+    }
+
+    /// The codes between the pixels of a row and their neighbours in `other` (the row above, or the row itself shifted by
+    /// one): depths in mm, 0 where there is no reading. The depth's term is only between two readings.
+    #[inline(always)]
+    pub fn codes<const N: usize>(
+        &self,
+        depth: [&[u16; N]; 2],
+        colour: Option<[&[[u8; 3]; N]; 2]>,
+        codes: &mut [u8; N],
+    ) {
+        let step = |p: u16, q: u16| if p == 0 || q == 0 { 0 } else { u32::from(p.abs_diff(q).min(self.max_step)) };
+        let contrast = |p: [u8; 3], q: [u8; 3]| {
+            u32::from(p[0].abs_diff(q[0])) + u32::from(p[1].abs_diff(q[1])) + u32::from(p[2].abs_diff(q[2]))
+        };
+        // At most 47 * 765 + 256 + 47 codes in Q16: below 2^32.
+        let code = |distance: u32| ((distance + (1 << 15)) >> 16).min(255) as u8;
+        match colour {
+            Some([here, there]) => {
+                for i in 0..N {
+                    let distance =
+                        self.per_mm * step(depth[0][i], depth[1][i]) + self.per_level * contrast(here[i], there[i]);
+                    codes[i] = code(distance);
+                }
+            }
+            None => {
+                for i in 0..N {
+                    codes[i] = code(self.per_mm * step(depth[0][i], depth[1][i]));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reconstruct;
+
+    #[test]
+    fn the_default_parameters_are_not_rounded() {
+        let table = DistanceTable::new(&FilterParams::new(&reconstruct::FilterParams::DEFAULT).unwrap());
+        assert_eq!((table.per_level.next_multiple_of(4096), table.per_mm.next_multiple_of(4096)), (4 << 16, 1 << 16));
+        let (depth, other) = ([1000, 1000, 0, 2000], [1003, 1400, 900, 2001]);
+        let mut codes = [0; 4];
+        table.codes([&depth, &other], None, &mut codes);
+        assert_eq!(codes, [3, 255, 0, 1]);
+        table.codes([&depth, &other], Some([&[[9; 3]; 4], &[[10, 8, 9]; 4]]), &mut codes);
+        assert_eq!(codes, [11, 255, 8, 9]);
+    }
+
+    #[test]
+    fn weights_are_those_of_the_domain_transform() {
+        for (space, iterations) in [(12.0f32, 3), (0.5, 1), (100.0, 5), (3.0, 2)] {
+            let float =
+                reconstruct::FilterParams { sigma_space: space, iterations, ..reconstruct::FilterParams::DEFAULT };
+            let table = DistanceTable::new(&FilterParams::new(&float).unwrap());
+            let mm = f64::from(space) / 40.0;
+            let step = mm / (f64::from(table.per_mm) / 65_536.0);
+            for i in 0..iterations {
+                let rate = 2f64.sqrt() / f64::from(float.sigma_of_iteration(i));
+                for (k, w) in table.weights[usize::from(i)].iter().enumerate().take(255) {
+                    let truth = (-rate * (1.0 + k as f64 * step)).exp();
+                    // Half a unit of the weight, and the step's rounding.
+                    assert!((f64::from(*w) / 65_536.0 - truth).abs() < 1.2e-5, "{space} {i} {k}: {w} {truth}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn extremes_do_not_overflow() {
+        for space in [0.5, 100.0] {
+            for sigma_colour in [1.0, 1000.0] {
+                for sigma_depth in [0.001, 0.25] {
+                    let float = reconstruct::FilterParams {
+                        sigma_space: space,
+                        sigma_colour,
+                        sigma_depth,
+                        ..reconstruct::FilterParams::DEFAULT
+                    };
+                    let table = DistanceTable::new(&FilterParams::new(&float).unwrap());
+                    let mut codes = [0; 1];
+                    table.codes([&[1], &[u16::MAX]], Some([&[[0; 3]], &[[255; 3]]]), &mut codes);
+                    assert!(codes[0] >= 1, "{float:?}");
+                }
+            }
+        }
+    }
+}
