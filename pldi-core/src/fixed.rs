@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn the_table_of_exponentials_is_right() {
         for (i, e) in EXP_OF_BIT.iter().enumerate() {
-            let truth = (-(16.0 / (1u64 << i) as f64)).exp() * 4_294_967_296.0;
+            let truth = libm::exp(-(16.0 / (1u64 << i) as f64)) * 4_294_967_296.0;
             assert!((f64::from(*e) - truth).abs() <= 0.5, "{i}: {e} {truth}");
         }
     }
@@ -208,14 +208,14 @@ mod tests {
 
         #[test]
         fn exponentials(x in 0u32..1 << 29) {
-            let truth = (-f64::from(x) / 16_777_216.0).exp() * 4_294_967_296.0;
+            let truth = libm::exp(-f64::from(x) / 16_777_216.0) * 4_294_967_296.0;
             prop_assert!((f64::from(exp_neg(x)) - truth).abs() <= 12.0);
         }
 
         #[test]
         fn logarithms(x in 1u64.., shift in 0u32..64) {
             let x = (x >> shift).max(1);
-            let truth = (x as f64).log2() * 65_536.0;
+            let truth = libm::log2(x as f64) * 65_536.0;
             let error = truth - f64::from(log2(x).unwrap());
             prop_assert!((-0.01..=2.0).contains(&error), "{error}");
         }
@@ -224,15 +224,15 @@ mod tests {
         fn angles(angle in -421_657_428i32..=421_657_428) {
             let (sin, cos) = sin_cos(angle);
             let truth = f64::from(angle) / 268_435_456.0;
-            prop_assert!((f64::from(sin) - truth.sin() * 1_073_741_824.0).abs() <= 8.0);
-            prop_assert!((f64::from(cos) - truth.cos() * 1_073_741_824.0).abs() <= 8.0);
+            prop_assert!((f64::from(sin) - libm::sin(truth) * 1_073_741_824.0).abs() <= 8.0);
+            prop_assert!((f64::from(cos) - libm::cos(truth) * 1_073_741_824.0).abs() <= 8.0);
         }
 
         #[test]
         fn reciprocals(x in 1u32.., shift in 0u32..32) {
             let x = (x >> shift).max(1);
             let (m, s) = reciprocal(x);
-            let truth = 2f64.powi(s as i32) / f64::from(x);
+            let truth = libm::ldexp(1.0, s as i32) / f64::from(x);
             prop_assert!((f64::from(m) - truth).abs() <= 4.0, "{m} {truth}");
         }
 

@@ -26,5 +26,5 @@ pub mod pipeline;
 pub use error::{Error, TemplateError};
 pub use floor::{Floor, FloorAxes};
 pub use frame::{DepthRange, Frame, Image, Intrinsics};
-pub use pipeline::{Params, Pipeline, Report, Workspace};
+pub use pipeline::{Float, Params, Pipeline, Report, Workspace};
 pub use rays::Rays;

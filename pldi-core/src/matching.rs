@@ -12,7 +12,7 @@ pub const MAX_HYPOTHESES: usize = 5;
 /// One possible class of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Hypothesis {
+pub struct Hypothesis<D = f32> {
     /// Index of the class in the template set.
     pub class: u16,
     /// Index of the object whose template is nearest.
@@ -20,10 +20,10 @@ pub struct Hypothesis {
     /// View number of that template.
     pub view: u16,
     /// Canberra distance to that template, 0..=58.
-    pub distance: f32,
+    pub distance: D,
     /// Margin in 0..=1: d'/(d + d'), where d is the distance and d' the smallest distance to any other class. Above
     /// 0.5 only for the best class; 1 if it fits exactly; 0.5 where two classes are equally near; 1 if there is no other.
-    pub score: f32,
+    pub score: D,
 }
 
 /// The nearest template of each of the best classes, best first, at most [`MAX_HYPOTHESES`]; empty for an empty set.

@@ -10,14 +10,14 @@ use pldi_core::reconstruct::{FilterKind, FilterParams};
 use pldi_core::templates::layout::{self, Header};
 use pldi_core::templates::{MAGIC, Templates, VERSION};
 use pldi_core::view::{Framing, ViewParams};
-use pldi_core::{Error, Floor, Frame, Intrinsics, Params, Pipeline, Workspace};
+use pldi_core::{Error, Float, Floor, Frame, Intrinsics, Params, Pipeline, Workspace};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use zerocopy::{FromZeros, IntoBytes};
 
 const W: usize = 64;
 const H: usize = 48;
-type Small = Workspace<W, H>;
+type Small = Workspace<Float, W, H>;
 
 /// A template file without templates.
 fn empty(view: &ViewParams) -> Vec<u8> {
@@ -116,7 +116,7 @@ fn params() -> impl Strategy<Value = Params> {
 
 /// A frame's report, every bit of it (numbers are printed so that they read back as the same).
 fn run(
-    pipeline: &Pipeline<W, H>,
+    pipeline: &Pipeline<Float, W, H>,
     images: &(Vec<u16>, Option<Vec<u8>>),
     workspace: &mut Small,
 ) -> Result<String, Error> {
@@ -128,15 +128,31 @@ fn run(
 
 /// Bits of the images that a frame leaves behind.
 fn left_behind(workspace: &Small) -> Vec<u32> {
-    let mut out: Vec<u32> = workspace.depth.as_flattened().iter().map(|z| z.to_bits()).collect();
+    let mut out: Vec<u32> = workspace.images.depth.as_flattened().iter().map(|z| z.to_bits()).collect();
     if workspace.report.floor.is_some() {
-        out.extend(workspace.labels.as_flattened().iter().chain(workspace.n.as_flattened()).map(|v| u32::from(*v)));
-        out.extend(workspace.counts.as_flattened().iter().chain(workspace.density.as_flattened()).map(|v| v.to_bits()));
-        out.extend(workspace.map_labels.as_flattened().iter().map(|v| u32::from(*v)));
+        out.extend(
+            workspace
+                .images
+                .labels
+                .as_flattened()
+                .iter()
+                .chain(workspace.images.n.as_flattened())
+                .map(|v| u32::from(*v)),
+        );
+        out.extend(
+            workspace
+                .images
+                .counts
+                .as_flattened()
+                .iter()
+                .chain(workspace.images.density.as_flattened())
+                .map(|v| v.to_bits()),
+        );
+        out.extend(workspace.images.map_labels.as_flattened().iter().map(|v| u32::from(*v)));
     }
     if !workspace.report.detections.is_empty() {
-        out.extend(workspace.view.as_flattened().iter().map(|v| u32::from(*v)));
-        out.extend(workspace.coefficients.as_flattened().iter().map(|v| v.to_bits()));
+        out.extend(workspace.images.view.as_flattened().iter().map(|v| u32::from(*v)));
+        out.extend(workspace.images.coefficients.as_flattened().iter().map(|v| v.to_bits()));
     }
     out
 }
@@ -172,7 +188,7 @@ fn no_frame_makes_the_pipeline_panic() {
             Err(Error::Capacity(_)) => full += 1,
             Err(other) => panic!("{other}"),
         }
-        assert!(workspace.depth.as_flattened().iter().all(|z| z.is_finite() && *z >= 0.0));
+        assert!(workspace.images.depth.as_flattened().iter().all(|z| z.is_finite() && *z >= 0.0));
         for detection in &workspace.report.detections {
             assert!(detection.descriptor.iter().all(|v| v.is_finite()), "{:?}", detection.descriptor);
             assert!(detection.hypotheses.is_empty());

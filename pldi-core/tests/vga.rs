@@ -9,7 +9,7 @@ use pldi_core::ground::Cluster;
 use pldi_core::templates::layout::{self, Class, Header, Object, Record};
 use pldi_core::templates::{MAGIC, Templates, VERSION};
 use pldi_core::view::{Framing, ViewParams};
-use pldi_core::{Error, Floor, Frame, Intrinsics, Params, Pipeline, TemplateError, Workspace};
+use pldi_core::{Error, Float, Floor, Frame, Intrinsics, Params, Pipeline, TemplateError, Workspace};
 use zerocopy::IntoBytes;
 
 const VGA: Intrinsics = Intrinsics { width: 640, height: 480, fx: 525.0, fy: 525.0, cx: 319.0, cy: 239.0 };
@@ -66,8 +66,8 @@ fn candidates<const W: usize, const H: usize>(
     floor: FloorMode,
     seed: u64,
 ) -> Vec<(Cluster, Descriptor)> {
-    let pipeline = Pipeline::<W, H>::new(&Params { floor, ..Params::DEFAULT }, camera).unwrap();
-    let mut workspace = Box::new(Workspace::<W, H>::new());
+    let pipeline = Pipeline::<Float, W, H>::new(&Params { floor, ..Params::DEFAULT }, camera).unwrap();
+    let mut workspace = Box::new(Workspace::<Float, W, H>::new());
     let shot = room.shoot(camera, seed);
     let empty = file(&ViewParams::DEFAULT, &[]);
     let frame = Frame::new(&shot.depth, Some(&shot.colour)).unwrap();
@@ -118,11 +118,11 @@ fn a_chest_has_its_size_and_place_at_vga_and_at_qvga() {
 #[test]
 fn intrinsics_of_the_other_size_are_refused_with_both_sizes() {
     with_stack(|| {
-        let error = Pipeline::<640, 480>::new(&Params::DEFAULT, &Intrinsics::KINECT_QVGA).unwrap_err();
+        let error = Pipeline::<Float, 640, 480>::new(&Params::DEFAULT, &Intrinsics::KINECT_QVGA).unwrap_err();
         assert_eq!(error, Error::IntrinsicsSize { intrinsics: (320, 240), frame: (640, 480) });
         let text = error.to_string();
         assert!(text.contains("320x240") && text.contains("640x480"), "{text}");
-        let error = Pipeline::<320, 240>::new(&Params::DEFAULT, &VGA).unwrap_err();
+        let error = Pipeline::<Float, 320, 240>::new(&Params::DEFAULT, &VGA).unwrap_err();
         assert_eq!(error, Error::IntrinsicsSize { intrinsics: (640, 480), frame: (320, 240) });
     });
 }
@@ -138,8 +138,8 @@ fn objects_are_recognised_from_templates_taken_elsewhere() {
         });
         let bytes = file(&ViewParams::DEFAULT, &taken);
         let templates = Templates::parse(&bytes).unwrap();
-        let pipeline = Pipeline::<640, 480>::new(&Params { floor: fixed(), ..Params::DEFAULT }, &VGA).unwrap();
-        let mut workspace = Box::new(Workspace::<640, 480>::new());
+        let pipeline = Pipeline::<Float, 640, 480>::new(&Params { floor: fixed(), ..Params::DEFAULT }, &VGA).unwrap();
+        let mut workspace = Box::new(Workspace::<Float, 640, 480>::new());
         for (class, (name, object)) in (0u16..).zip(objects) {
             for (at, seed) in [([0.0, 2.0], 11), ([0.1, 2.4], 12)] {
                 let shot = room(object, at, 0.001).shoot(&VGA, seed);
@@ -167,8 +167,8 @@ fn templates_of_other_view_parameters_are_refused_before_anything_is_done() {
             ViewParams { framing: Framing::Metric { side: ViewParams::METRIC_SIDE }, ..view },
             ViewParams { radius: 0.05, ..view },
         ];
-        let pipeline = Pipeline::<640, 480>::new(&Params::DEFAULT, &VGA).unwrap();
-        let mut workspace = Box::new(Workspace::<640, 480>::new());
+        let pipeline = Pipeline::<Float, 640, 480>::new(&Params::DEFAULT, &VGA).unwrap();
+        let mut workspace = Box::new(Workspace::<Float, 640, 480>::new());
         let depth = vec![1000; 640 * 480];
         for other in others {
             let bytes = file(&other, &[("chest", [0.5; 58])]);
@@ -176,7 +176,7 @@ fn templates_of_other_view_parameters_are_refused_before_anything_is_done() {
                 pipeline.run(&Frame::new(&depth, None).unwrap(), &Templates::parse(&bytes).unwrap(), &mut workspace);
             let mismatch = TemplateError::Parameters { file: other.hash(), pipeline: view.hash() };
             assert_eq!(result, Err(Error::Templates(mismatch)));
-            assert!(workspace.depth.as_flattened().iter().all(|z| *z == 0.0));
+            assert!(workspace.images.depth.as_flattened().iter().all(|z| *z == 0.0));
         }
     });
 }

@@ -109,7 +109,7 @@ pub fn composite(
     for (i, pixel) in colour.as_chunks::<3>().0.iter().enumerate() {
         canvas.set((i % 320) as i32, (i / 320) as i32, *pixel);
     }
-    for (i, n) in workspace.n.as_flattened().iter().enumerate() {
+    for (i, n) in workspace.images.n.as_flattened().iter().enumerate() {
         // 16 bits to 8; N is never finer in print.
         canvas.set((i % 320) as i32, 240 + (i / 320) as i32, [(n >> 8) as u8; 3]);
     }

@@ -51,20 +51,21 @@ pub fn write(
     }
     atomic::write_json(&folder.join("candidates.json"), &candidates(workspace))?;
     pipeline.diffuse_all(workspace);
-    png::write_grey16(&folder.join("n.png"), QVGA, workspace.n.as_flattened())
+    png::write_grey16(&folder.join("n.png"), QVGA, workspace.images.n.as_flattened())
 }
 
 /// The reconstructed depth in 1/8 mm, rounded to nearest, saturated.
 fn eighths(workspace: &QvgaWorkspace) -> Vec<u16> {
-    workspace.depth.as_flattened().iter().map(|z| (z * 8000.0 + 0.5) as u16).collect()
+    workspace.images.depth.as_flattened().iter().map(|z| (z * 8000.0 + 0.5) as u16).collect()
 }
 
 fn write_map(pipeline: &QvgaPipeline, workspace: &QvgaWorkspace, folder: &Path) -> Result<(), Error> {
     let white = 4.0 * pipeline.params().density.threshold.max(1e-6);
-    let map: Vec<u8> = workspace.density.iter().rev().flatten().map(|d| (d / white * 255.0).min(255.0) as u8).collect();
+    let map: Vec<u8> =
+        workspace.images.density.iter().rev().flatten().map(|d| (d / white * 255.0).min(255.0) as u8).collect();
     png::write_grey8(&folder.join("map.png"), (MAP_WIDTH as u32, MAP_DEPTH as u32), &map)?;
     // At most MAX_CLUSTERS = 192.
-    let clusters: Vec<u8> = workspace.labels.as_flattened().iter().map(|l| *l as u8).collect();
+    let clusters: Vec<u8> = workspace.images.labels.as_flattened().iter().map(|l| *l as u8).collect();
     png::write_grey8(&folder.join("clusters.png"), QVGA, &clusters)
 }
 
@@ -79,10 +80,10 @@ fn write_candidate(
         return Ok(());
     }
     let file = |name: &str, ending: &str| folder.join(format!("{name}_{}.{ending}", cluster + 1));
-    png::write_grey16(&file("view", "png"), (SIZE as u32, SIZE as u32), workspace.view.as_flattened())?;
-    let bytes: Vec<u8> = workspace.coefficients.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
+    png::write_grey16(&file("view", "png"), (SIZE as u32, SIZE as u32), workspace.images.view.as_flattened())?;
+    let bytes: Vec<u8> = workspace.images.coefficients.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
     atomic::write_bytes(&file("dwt", "f32"), &bytes)?;
-    let numbers = |kind| from_coefficients(&workspace.coefficients, kind).to_vec();
+    let numbers = |kind| from_coefficients(&workspace.images.coefficients, kind).to_vec();
     let descriptors = json!({
         "paper": numbers(DescriptorKind::Paper),
         "halves": numbers(DescriptorKind::Halves),
@@ -99,7 +100,7 @@ fn candidates(workspace: &QvgaWorkspace) -> Value {
         .zip(&report.contours)
         .enumerate()
         .map(|(i, (cluster, contour))| {
-            let points = contour.of(&report.points).iter();
+            let points = contour.of(&workspace.images.points).iter();
             json!({
                 "cluster": i + 1,
                 "candidate": cluster.rejection.is_none(),

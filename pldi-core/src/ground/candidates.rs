@@ -84,19 +84,19 @@ impl Limits {
 /// A cluster: the pixels whose floor projection lies within one contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Cluster {
+pub struct Cluster<T = f32> {
     /// Number of pixels.
     pub pixels: u32,
     /// First column, first row, last column, last row of its pixels.
     pub bbox: [u16; 4],
     /// Mean of its points on the floor: right and forward in metres.
-    pub centroid: [f32; 2],
+    pub centroid: [T; 2],
     /// Height of its highest point above the floor in metres.
-    pub top: f32,
+    pub top: T,
     /// Centre of the box around it in the camera frame, in metres. The box stands on the floor and faces the sensor.
-    pub center: [f32; 3],
+    pub center: [T; 3],
     /// Width (across the line of sight), height and depth (along it) of that box in metres.
-    pub size: [f32; 3],
+    pub size: [T; 3],
     /// Why it is no candidate; `None` for candidates.
     pub rejection: Option<Rejection>,
 }

@@ -1,44 +1,50 @@
 //! What the pipeline says about a frame.
 
-use crate::Floor;
-use crate::descriptor::Descriptor;
-use crate::ground::{Cluster, Contour, ContourPoint, MAX_CLUSTERS, MAX_CONTOUR_POINTS};
+use super::{Arithmetic, Float};
+use crate::ground::{Cluster, Contour, MAX_CLUSTERS};
 use crate::matching::{Hypothesis, MAX_HYPOTHESES};
 use heapless::Vec;
 
 /// Most candidates of one frame.
 pub const MAX_DETECTIONS: usize = 32;
 
+/// Possible classes, best first.
+pub type Hypotheses<A = Float> = Vec<Hypothesis<<A as Arithmetic>::Distance>, MAX_HYPOTHESES>;
+
 /// A candidate and what it may be.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Detection {
+pub struct Detection<A: Arithmetic = Float> {
     /// Index of its cluster.
     pub cluster: u16,
     /// Its 58 numbers.
-    pub descriptor: Descriptor,
+    pub descriptor: A::Descriptor,
     /// Its possible classes, best first; empty for an empty template set.
-    pub hypotheses: Vec<Hypothesis, MAX_HYPOTHESES>,
+    pub hypotheses: Hypotheses<A>,
 }
 
 /// The result of a frame.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Report {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report<A: Arithmetic = Float> {
     /// The floor, `None` where none was found (then there is nothing else).
-    pub floor: Option<Floor>,
+    pub floor: Option<A::Floor>,
     /// All clusters; those with a rejection are no candidates.
-    pub clusters: Vec<Cluster, MAX_CLUSTERS>,
-    /// The clusters' contours on the ground map, in the same order.
+    pub clusters: Vec<Cluster<A::Length>, MAX_CLUSTERS>,
+    /// The clusters' contours on the ground map, in the same order. Their points are with the images.
     pub contours: Vec<Contour, MAX_CLUSTERS>,
-    /// The contours' points.
-    pub points: Vec<ContourPoint, MAX_CONTOUR_POINTS>,
     /// The candidates.
-    pub detections: Vec<Detection, MAX_DETECTIONS>,
+    pub detections: Vec<Detection<A>, MAX_DETECTIONS>,
 }
 
-impl Report {
+impl<A: Arithmetic> Default for Report<A> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<A: Arithmetic> Report<A> {
     /// An empty report.
     pub const fn new() -> Self {
-        Self { floor: None, clusters: Vec::new(), contours: Vec::new(), points: Vec::new(), detections: Vec::new() }
+        Self { floor: None, clusters: Vec::new(), contours: Vec::new(), detections: Vec::new() }
     }
 
     /// Forgets the frame before.
@@ -46,7 +52,6 @@ impl Report {
         self.floor = None;
         self.clusters.clear();
         self.contours.clear();
-        self.points.clear();
         self.detections.clear();
     }
 }

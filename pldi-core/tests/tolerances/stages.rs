@@ -10,13 +10,13 @@ use pldi_core::ground::density::{self, Gaussian, NO_CELL};
 use pldi_core::ground::{CELL, DensityParams, MAP_DEPTH, MAP_WIDTH, SensoryArea};
 use pldi_core::reconstruct::{FilterKind, FilterParams};
 use pldi_core::view::Homography;
-use pldi_core::{Floor, Frame, Image, Intrinsics, Params, Pipeline, Rays, Workspace, math};
+use pldi_core::{Float, Floor, Frame, Image, Intrinsics, Params, Pipeline, Rays, Workspace, math};
 
 /// The pipeline and the memory that the stages are measured in.
 pub fn pipeline<const X: usize, const Y: usize>(
     filter: FilterKind,
     camera: &Intrinsics,
-) -> (Pipeline<X, Y>, Box<Workspace<X, Y>>) {
+) -> (Pipeline<Float, X, Y>, Box<Workspace<Float, X, Y>>) {
     let params = Params { filter: FilterParams { kind: filter, ..FilterParams::DEFAULT }, ..Params::DEFAULT };
     (Pipeline::new(&params, camera).unwrap(), Box::new(Workspace::new()))
 }
@@ -26,7 +26,7 @@ fn filtered() -> Vec<Box<Image<f32, W, H>>> {
     let (pipeline, mut workspace) = pipeline::<W, H>(FilterKind::Joint, &CAMERA);
     let filter = |scene: &Scene| {
         pipeline.reconstruct(&Frame::new(&scene.depth, Some(&scene.colour)).unwrap(), &mut workspace);
-        Box::new(workspace.depth)
+        Box::new(workspace.images.depth)
     };
     all().iter().map(filter).collect()
 }
@@ -98,7 +98,7 @@ fn recursive(kind: FilterKind) -> Errors {
         pipeline.reconstruct(&Frame::new(&scene.depth, Some(&scene.colour)).unwrap(), &mut workspace);
         let colour = (kind == FilterKind::Joint).then_some(&scene.colour[..]);
         let truth = domain_transform(&scene.metres(), colour, W, H);
-        add_depths(&mut errors, workspace.depth.as_flattened(), &truth);
+        add_depths(&mut errors, workspace.images.depth.as_flattened(), &truth);
     }
     errors
 }
@@ -122,7 +122,7 @@ pub fn exact() -> Errors {
         let small = scene.small(48, 40, 6);
         pipeline.reconstruct(&Frame::new(&small.depth, Some(&small.colour)).unwrap(), &mut workspace);
         let truth = bilateral(&small.metres(), &small.colour, 48, 40);
-        add_depths(&mut errors, workspace.depth.as_flattened(), &truth);
+        add_depths(&mut errors, workspace.images.depth.as_flattened(), &truth);
     }
     errors
 }
@@ -169,7 +169,7 @@ pub fn search() -> Errors {
     for (seed, room) in (7..).zip(rooms()) {
         let shot = room.shoot(&CAMERA, seed);
         pipeline.reconstruct(&Frame::new(&shot.depth, Some(&shot.colour)).unwrap(), &mut workspace);
-        let floor = ransac::find(&workspace.depth, pipeline.rays(), &RansacParams::DEFAULT).unwrap();
+        let floor = ransac::find(&workspace.images.depth, pipeline.rays(), &RansacParams::DEFAULT).unwrap();
         let truth = Pose::new(room.height, room.pitch, 0.0);
         add_point(&mut errors, floor.normal, truth.up);
         errors.add(f64::from(floor.height), truth.height);
@@ -249,10 +249,10 @@ pub fn diffusion() -> Errors {
     let mut errors = Errors::default();
     let (pipeline, mut workspace) = pipeline::<W, H>(FilterKind::Joint, &CAMERA);
     for depth in filtered() {
-        workspace.depth = *depth;
+        workspace.images.depth = *depth;
         pipeline.diffuse_all(&mut workspace);
         let depth: Vec<f64> = depth.as_flattened().iter().map(|z| f64::from(*z)).collect();
-        for (i, n) in workspace.n.as_flattened().iter().enumerate() {
+        for (i, n) in workspace.images.n.as_flattened().iter().enumerate() {
             errors.add(f64::from(*n) / 65535.0, image::light(&depth, &CAMERA, 0.04, i % W, i / W));
         }
     }

@@ -11,14 +11,14 @@ use pldi_core::descriptor::{self, Descriptor, DescriptorKind, View};
 use pldi_core::reconstruct::FilterKind;
 use pldi_core::view::{Framing, Homography, framing, warp};
 use pldi_core::wavelet::{self, Plane, SIZE};
-use pldi_core::{Floor, Frame, Image, Workspace, matching};
+use pldi_core::{Float, Floor, Frame, Image, Workspace, matching};
 
 fn boxed<T: Copy, const X: usize, const Y: usize>(value: T) -> Box<Image<T, X, Y>> {
     vec![[value; X]; Y].into_boxed_slice().try_into().unwrap_or_else(|_| unreachable!())
 }
 
 /// What the core makes of the object in each of the rooms: the frame, the truth of its pose, workspace, descriptor.
-fn objects(kind: FilterKind) -> Vec<(Shot, Pose, Box<Workspace<W, H>>, Descriptor)> {
+fn objects(kind: FilterKind) -> Vec<(Shot, Pose, Box<Workspace<Float, W, H>>, Descriptor)> {
     let one = |(seed, room): (u64, crate::common::Room<'_>)| {
         let (pipeline, mut workspace) = pipeline::<W, H>(kind, &CAMERA);
         let shot = room.shoot(&CAMERA, seed);
@@ -34,7 +34,8 @@ fn objects(kind: FilterKind) -> Vec<(Shot, Pose, Box<Workspace<W, H>>, Descripto
 
 /// The views of all objects, and views of noise.
 fn views() -> Vec<Box<View>> {
-    let mut views: Vec<_> = objects(FilterKind::Joint).into_iter().map(|(_, _, w, _)| Box::new(w.view)).collect();
+    let mut views: Vec<_> =
+        objects(FilterKind::Joint).into_iter().map(|(_, _, w, _)| Box::new(w.images.view)).collect();
     let mut random = Random(30);
     for amplitude in [65_535.0, 900.0] {
         let mut view = boxed(0);
@@ -49,8 +50,8 @@ fn fractions(view: &View) -> Vec<f64> {
 }
 
 /// Pixels of the object that have depth.
-fn pixels(workspace: &Workspace<W, H>) -> Vec<(usize, usize)> {
-    let on = |i: &usize| workspace.labels[i / W][i % W] == 1;
+fn pixels(workspace: &Workspace<Float, W, H>) -> Vec<(usize, usize)> {
+    let on = |i: &usize| workspace.images.labels[i / W][i % W] == 1;
     (0..W * H).filter(on).map(|i| (i % W, i / W)).collect()
 }
 
@@ -65,12 +66,13 @@ fn fitted(pose: Pose, depth: impl Fn(usize, usize) -> f64, pixels: &[(usize, usi
 pub fn square() -> Errors {
     let mut errors = Errors::default();
     for (_, truth, workspace, _) in objects(FilterKind::Joint) {
-        let truth = fitted(truth, |u, v| f64::from(workspace.depth[v][u]), &pixels(&workspace));
+        let truth = fitted(truth, |u, v| f64::from(workspace.images.depth[v][u]), &pixels(&workspace));
         let (cluster, floor) = (workspace.report.clusters[0], workspace.report.floor.unwrap());
         let to_image = Homography::plane_to_image(&floor.axes(), &CAMERA, cluster.centroid).unwrap();
         let pixel = 1.0 / CAMERA.fx;
         let found =
-            framing::frontal(Framing::Fit, &workspace.labels, 1, cluster.bbox, &to_image, floor.height, pixel).unwrap();
+            framing::frontal(Framing::Fit, &workspace.images.labels, 1, cluster.bbox, &to_image, floor.height, pixel)
+                .unwrap();
         for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 0.0)] {
             let at = |k: usize, side: f32| found.centre[k] + side * found.half;
             let point = [(0, x), (1, y)].map(|(k, side)| truth.centre[k] + f64::from(side) * truth.half);
@@ -85,12 +87,14 @@ pub fn square() -> Errors {
 pub fn sampling() -> Errors {
     let mut errors = Errors::default();
     for (_, truth, workspace, _) in objects(FilterKind::Joint) {
-        let truth = fitted(truth, |u, v| f64::from(workspace.depth[v][u]), &pixels(&workspace));
+        let truth = fitted(truth, |u, v| f64::from(workspace.images.depth[v][u]), &pixels(&workspace));
         let n = |u: i64, v: i64| match (usize::try_from(u), usize::try_from(v)) {
-            (Ok(u), Ok(v)) if u < W && v < H && workspace.labels[v][u] == 1 => f64::from(workspace.n[v][u]) / 65535.0,
+            (Ok(u), Ok(v)) if u < W && v < H && workspace.images.labels[v][u] == 1 => {
+                f64::from(workspace.images.n[v][u]) / 65535.0
+            }
             _ => 0.0,
         };
-        for (found, truth) in fractions(&workspace.view).iter().zip(truth.sample(n)) {
+        for (found, truth) in fractions(&workspace.images.view).iter().zip(truth.sample(n)) {
             errors.add(*found, truth);
         }
     }

@@ -77,7 +77,7 @@ fn depth(canvas: &mut Canvas, mm: &[u16], size: (u16, u16)) {
 
 /// The border of each cluster's pixels: wide and coloured for candidates, thin and grey for the rejected.
 fn outlines(canvas: &mut Canvas, processed: &Processed<'_>) {
-    let (labels, clusters) = (&processed.workspace.labels, &processed.workspace.report.clusters);
+    let (labels, clusters) = (&processed.workspace.images.labels, &processed.workspace.report.clusters);
     let colours: Vec<Option<Rgb888>> = (0..clusters.len()).map(|i| colour_of(processed.report, i)).collect();
     let filled = fill_pinholes(labels);
     let at = |u: i32, v: i32| {

@@ -84,7 +84,7 @@ fn head(canvas: &mut Canvas, processed: &Processed<'_>, templates: &Templates<'_
 /// The density in grey, white from four times the threshold on.
 fn density(canvas: &mut Canvas, processed: &Processed<'_>) {
     let white = 4.0 * processed.pipeline.params().density.threshold.max(1e-6);
-    for (row, line) in processed.workspace.density.iter().enumerate() {
+    for (row, line) in processed.workspace.images.density.iter().enumerate() {
         for (column, &density) in line.iter().enumerate() {
             let light = (density / white).clamp(0.0, 1.0) * LIGHTEST;
             if light >= 1.0 {
@@ -147,7 +147,7 @@ fn contours(canvas: &mut Canvas, processed: &Processed<'_>) {
                 continue;
             }
             let c = colour.unwrap_or(GREY);
-            for point in contour.of(&core.points) {
+            for point in contour.of(&processed.workspace.images.points) {
                 fill(canvas, usize::from(point.column), usize::from(point.row), [c.r(), c.g(), c.b()]);
             }
         }
@@ -159,7 +159,8 @@ fn contours(canvas: &mut Canvas, processed: &Processed<'_>) {
                 continue;
             }
             let at = pixel(cluster.centroid);
-            let highest = contour.of(&core.points).iter().map(|p| i32::from(p.row)).max().unwrap_or(0);
+            let highest =
+                contour.of(&processed.workspace.images.points).iter().map(|p| i32::from(p.row)).max().unwrap_or(0);
             let above = BOTTOM - SCALE * (highest + 1) - LABEL_HEIGHT as i32 - 1;
             let y = if contour.cells >= CARRIES_NUMBER { at.y - LABEL_HEIGHT as i32 / 2 } else { above };
             labels.write(canvas, &(i + 1).to_string(), at.x, y, colour.unwrap_or(GREY));

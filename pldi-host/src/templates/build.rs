@@ -173,7 +173,7 @@ impl Builder {
         let params = Params { view: self.view, floor: FloorMode::Fixed(floor), ..Params::DEFAULT };
         let pipeline = QvgaPipeline::new(&params, &CAMERA).map_err(Error::core)?;
         let rendering = Sensor::noise_free(CAMERA).render(&Scene::of(object.mesh.clone()), camera);
-        for (to, from) in workspace.depth.as_flattened_mut().iter_mut().zip(&rendering.depth) {
+        for (to, from) in workspace.images.depth.as_flattened_mut().iter_mut().zip(&rendering.depth) {
             *to = *from;
         }
         Ok(pipeline.describe_mask(&floor, |_, _| true, workspace))

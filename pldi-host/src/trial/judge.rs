@@ -149,7 +149,7 @@ impl Overlaps {
         let clusters = workspace.report.clusters.len();
         let mut both = vec![0; 256 * (clusters + 1)];
         let mut objects = [0; 256];
-        let pixels = seen.labels.iter().zip(depth).zip(workspace.labels.as_flattened());
+        let pixels = seen.labels.iter().zip(depth).zip(workspace.images.labels.as_flattened());
         for ((&object, &mm), &cluster) in pixels {
             objects[usize::from(object)] += 1;
             // Filled holes belong to no object.

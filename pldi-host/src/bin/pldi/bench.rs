@@ -73,7 +73,7 @@ impl Bench {
                 std::hint::black_box(pipeline.frame_view(*c, &floor, &mut ws));
             }
         });
-        let view = ws.view;
+        let view = ws.images.view;
         let mut plane = Box::new([[0.0; wavelet::SIZE]; wavelet::SIZE]);
         let kind: DescriptorKind = params.view.descriptor;
         time("wavelets and descriptors", &mut || {
