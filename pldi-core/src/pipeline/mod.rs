@@ -22,16 +22,16 @@ use crate::{Error, Frame, Rays};
 /// Everything that is computed once for a camera and a set of parameters.
 #[derive(Debug, Clone)]
 #[allow(missing_copy_implementations, reason = "tables")]
-pub struct Pipeline<A: Arithmetic, const W: usize, const H: usize> {
+pub struct Pipeline<A: Arithmetic, const W: usize = QVGA_WIDTH, const H: usize = QVGA_HEIGHT> {
     params: A::Params,
     tables: A::Tables<W, H>,
 }
 
 /// A pipeline for QVGA frames.
-pub type QvgaPipeline<A = Float> = Pipeline<A, QVGA_WIDTH, QVGA_HEIGHT>;
+pub type QvgaPipeline = Pipeline<Float, QVGA_WIDTH, QVGA_HEIGHT>;
 
 /// The memory of a pipeline for QVGA frames.
-pub type QvgaWorkspace<A = Float> = Workspace<A, QVGA_WIDTH, QVGA_HEIGHT>;
+pub type QvgaWorkspace = Workspace<Float, QVGA_WIDTH, QVGA_HEIGHT>;
 
 /// What a stage may look up: the parameters and the tables made of them.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,7 @@
 //! The pipeline's memory, which the caller owns.
 
 use super::{Arithmetic, Float, FloatImages, Report};
+use crate::frame::{QVGA_HEIGHT, QVGA_WIDTH};
 
 /// All images between the stages, and the result. Between calls it may be read: it holds what the last frame left.
 ///
@@ -8,7 +9,7 @@ use super::{Arithmetic, Float, FloatImages, Report};
 /// frame to frame.
 #[derive(Debug, Clone)]
 #[allow(missing_copy_implementations, reason = "megabytes should not be copied by accident")]
-pub struct Workspace<A: Arithmetic, const W: usize, const H: usize> {
+pub struct Workspace<A: Arithmetic, const W: usize = QVGA_WIDTH, const H: usize = QVGA_HEIGHT> {
     /// The images, in the numbers of the arithmetic.
     pub images: A::Images<W, H>,
     /// The frame's result.
