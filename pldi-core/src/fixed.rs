@@ -135,18 +135,32 @@ pub const fn sin_cos(angle: i32) -> (i32, i32) {
     (sin as i32, cos as i32)
 }
 
+/// 2^16 / (1 + (i + 1/2) / 256): the reciprocals of 1..2, to 9 bits.
+const RECIPROCALS: [u16; 256] = {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        let twice = 2 * (256 + i as u32) + 1;
+        table[i] = (((1 << 26) / twice + 1) >> 1) as u16;
+        i += 1;
+    }
+    table
+};
+
 /// 1/x of a positive integer as (mantissa, shift): 1/x is mantissa * 2^-shift with a mantissa of 32 bits (2^31 to
 /// 2^32 - 1), at most 4 units of it off, and a shift of 32..=63. 1/0 counts as 1/1.
 ///
-/// One 32-bit division and one Newton step: 64-bit divisions are slow on 32-bit machines.
+/// No division: they are slow, of 64 bits on 32-bit machines and of any size on many hosts.
 #[inline(always)]
 pub const fn reciprocal(x: u32) -> (u32, u32) {
     let zeros = (x | 1).leading_zeros();
     let m = if x == 0 { 1 << 31 } else { x << zeros };
-    // 2^63 / m, first from m's upper half.
-    let first = ((u32::MAX / ((m >> 16) + (m >> 15 & 1))) as u64) << 15;
-    let error = (1u64 << 63).wrapping_sub((m as u64).wrapping_mul(first)) as i64;
-    let r = first as i64 + ((first as i64 * (error >> 31)) >> 32);
+    // With m in Q31 (1..2) and r close to 1/m: 1/m = r / (1 - e) = r (1 + e) (1 + e^2) (1 + e^4)..., where e = 1 - m r.
+    let r = RECIPROCALS[(m >> 23 & 0xFF) as usize] as i64;
+    let e = (1i64 << 47) - m as i64 * r; // Q47, below 2^-8
+    let square = ((e >> 16) * (e >> 16)) >> 31; // Q31
+    let r = (r << 16) + ((r * e) >> 31); // Q32
+    let r = r + ((r * square) >> 31);
     (if r > u32::MAX as i64 { u32::MAX } else { r as u32 }, 63 - zeros)
 }
 

@@ -106,10 +106,10 @@ fn narrow(s: i32, m: i32, floor: u32) -> (u16, u16) {
     if m as u32 <= floor {
         return (0, 0);
     }
-    // D = s 2^13 / m. The reciprocal has 32 bits: the quotient is rounded to nearest but for ties.
+    // D = s 2^13 / m. The reciprocal is good to 30 bits: the quotient is rounded to nearest but for ties.
     let (mantissa, shift) = reciprocal(m as u32);
     // s < 2^30 and the mantissa < 2^32; the shift is at least 36, because m < 2^28.
-    let depth = ((s as u64 * u64::from(mantissa)) >> (shift - 14)).wrapping_add(1) >> 1;
+    let depth = (((s as u64 * u64::from(mantissa)) >> (shift - 14)) + 1) >> 1;
     (depth.min(65_535) as u16, weight::encode(m))
 }
 
@@ -119,26 +119,23 @@ fn run(lines: &mut [[Lane; 2]], weights: impl Fn(usize) -> Lane) {
     let Some([mut s, mut m]) = lines.first().copied() else { return };
     for (x, cell) in lines.iter_mut().enumerate().skip(1) {
         let w = weights(x);
-        for r in 0..LANES {
-            s[r] = blend(cell[0][r], s[r], w[r]);
-            m[r] = blend(cell[1][r], m[r], w[r]);
-        }
+        (s, m) = (blend(cell[0], s, w), blend(cell[1], m, w));
         *cell = [s, m];
     }
     for x in (1..lines.len()).rev() {
         let w = weights(x);
         if let Some(cell) = lines.get_mut(x - 1) {
-            for r in 0..LANES {
-                s[r] = blend(cell[0][r], s[r], w[r]);
-                m[r] = blend(cell[1][r], m[r], w[r]);
-            }
+            (s, m) = (blend(cell[0], s, w), blend(cell[1], m, w));
             *cell = [s, m];
         }
     }
 }
 
 /// here + w (from - here), rounded to nearest: between the two, so nothing ever leaves its range.
+///
+/// Written with unsigned products of 32 bits, which vector units have even where they lack signed ones.
 #[inline(always)]
-fn blend(here: i32, from: i32, w: i32) -> i32 {
-    here + ((i64::from(from - here) * i64::from(w) + (1 << 15)) >> 16) as i32
+fn blend(here: Lane, from: Lane, w: Lane) -> Lane {
+    let wide = |a: i32, b: i32| u64::from(a as u32) * u64::from(b as u32);
+    core::array::from_fn(|r| ((wide(here[r], (1 << 16) - w[r]) + wide(from[r], w[r]) + (1 << 15)) >> 16) as i32)
 }
