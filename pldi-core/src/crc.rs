@@ -17,8 +17,13 @@ const TABLE: [u32; 256] = {
 };
 
 /// The checksum of some bytes, continued from the checksum of those before (0 at the start).
-pub fn crc32(before: u32, bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(!before, |c, &byte| TABLE[usize::from(c as u8 ^ byte)] ^ (c >> 8))
+pub const fn crc32(before: u32, bytes: &[u8]) -> u32 {
+    let (mut c, mut i) = (!before, 0);
+    while i < bytes.len() {
+        c = TABLE[(c as u8 ^ bytes[i]) as usize] ^ (c >> 8);
+        i += 1;
+    }
+    !c
 }
 
 #[cfg(test)]

@@ -190,6 +190,23 @@ pub const fn unit(v: [i64; 3]) -> Option<[i32; 3]> {
     Some([((v[0] << 30) / length) as i32, ((v[1] << 30) / length) as i32, ((v[2] << 30) / length) as i32])
 }
 
+/// The high half of a product: x * y * 2^-32, rounded down.
+#[inline(always)]
+pub(crate) const fn mul_high(x: i32, y: i32) -> i32 {
+    ((x as i64 * y as i64) >> 32) as i32
+}
+
+/// The i of 0..count for which a + b i is not negative, as first and behind the last. `a + b` must not overflow.
+pub(crate) fn where_not_negative(a: i64, b: i64, count: usize) -> (usize, usize) {
+    let least = |i: u64| usize::try_from(i).map_or(count, |i| i.min(count));
+    match (a >= 0, b.unsigned_abs()) {
+        (true, _) if b >= 0 => (0, count),
+        (true, b) => (0, least(a.unsigned_abs() / b.max(1) + 1)),
+        (false, slope) if b > 0 => (least(a.unsigned_abs().div_ceil(slope)), count),
+        (false, _) => (count, count),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -224,6 +241,14 @@ mod tests {
         fn exponentials(x in 0u32..1 << 29) {
             let truth = libm::exp(-f64::from(x) / 16_777_216.0) * 4_294_967_296.0;
             prop_assert!((f64::from(exp_neg(x)) - truth).abs() <= 12.0);
+        }
+
+        #[test]
+        fn spans(a in -1000i64..1000, b in -40i64..40) {
+            let (first, end) = where_not_negative(a, b, 50);
+            for i in 0..50usize {
+                prop_assert_eq!(a + b * i as i64 >= 0, (first..end).contains(&i), "{}", i);
+            }
         }
 
         #[test]

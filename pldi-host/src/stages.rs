@@ -110,7 +110,7 @@ fn candidates(workspace: &QvgaWorkspace) -> Value {
                 "center": cluster.center,
                 "size": cluster.size,
                 "area": contour.area(),
-                "length": contour.length,
+                "length": contour.length(),
                 "contour": points.map(|p| [p.column, p.row]).collect::<Vec<_>>(),
             })
         })

@@ -1,5 +1,6 @@
 //! The floor plane: from a known camera pose, or found in each frame (paper, section 4, indoor scene constraint).
 
+pub mod fixed;
 pub mod ransac;
 
 use crate::{Error, math};

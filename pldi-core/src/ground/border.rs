@@ -7,10 +7,12 @@
 use super::{CELL, MAP_DEPTH, MAP_WIDTH, MAX_CLUSTERS, MAX_CONTOUR_POINTS, Map};
 use crate::Error;
 use heapless::Vec;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
 /// A cell on a contour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(C)]
 pub struct ContourPoint {
     /// Column of the cell.
     pub column: u8,
@@ -19,9 +21,11 @@ pub struct ContourPoint {
 }
 
 const _: () = assert!(MAP_WIDTH <= 256 && MAP_DEPTH <= 256 && MAX_CLUSTERS < 255);
+// Starts, numbers of points and steps are u16.
+const _: () = assert!(MAX_CONTOUR_POINTS <= u16::MAX as usize);
 
 /// An outer border: a range of the frame's contour points, in order, and what it encloses.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Contour {
     /// Index of the first point.
@@ -30,14 +34,22 @@ pub struct Contour {
     pub points: u16,
     /// Cells on the border and inside of it.
     pub cells: u32,
-    /// Length of the way through the cells' centres, in metres.
-    pub length: f32,
+    /// Steps to a cell beside, above or below on the way through the cells' centres.
+    pub straight: u16,
+    /// Diagonal steps on that way.
+    pub diagonal: u16,
 }
 
 impl Contour {
     /// Area in m^2.
     pub fn area(&self) -> f32 {
         self.cells as f32 * (CELL * CELL)
+    }
+
+    /// Length of the way through the cells' centres, in metres.
+    pub fn length(&self) -> f32 {
+        let cells = f32::from(self.straight) + core::f32::consts::SQRT_2 * f32::from(self.diagonal);
+        cells * CELL
     }
 
     /// The contour's points out of those of the frame.
@@ -48,7 +60,7 @@ impl Contour {
 }
 
 /// The contour's cell is occupied.
-const OCCUPIED: u8 = 1;
+pub(super) const OCCUPIED: u8 = 1;
 /// The border passes on the cell's left side.
 const LEFT: u8 = 2;
 /// The border passes on the cell's right side.
@@ -61,49 +73,67 @@ const EAST: usize = 0;
 /// Direction of the left neighbour in [`STEPS`].
 const WEST: usize = 4;
 
-/// Finds the outer borders of the cells whose density reaches `threshold`.
+/// Room for a frame's contour points in memory that the caller owns, filled from the start.
+struct Points<'a> {
+    slots: &'a mut [ContourPoint],
+    len: usize,
+}
+
+impl Points<'_> {
+    fn push(&mut self, column: i32, row: i32) -> Result<(), Full> {
+        let slot = self.slots.get_mut(self.len).ok_or(Full)?;
+        *slot = ContourPoint { column: column as u8, row: row as u8 };
+        self.len += 1;
+        Ok(())
+    }
+}
+
+/// There is no room for another point.
+struct Full;
+
+/// How many points all contours have together: they fill the points from the start, one after the other.
+pub fn point_count(contours: &[Contour]) -> usize {
+    contours.last().map_or(0, |last| usize::from(last.start) + usize::from(last.points))
+}
+
+/// Finds the outer borders of the occupied cells: those whose mark is 1; the others' is 0 (see `density::occupied`).
 ///
 /// `labels` receives the number (1, 2, ... in the order of `contours`) of the contour that each cell lies in, 0 for none;
-/// `marks` is scratch.
+/// `points` the contours' points ([`point_count`] of them). `marks` is scratch afterwards.
 ///
 /// # Errors
 /// `Capacity("clusters")` or `Capacity("contour points")`; what was found until then is complete.
 pub fn find(
-    density: &Map<f32>,
-    threshold: f32,
     marks: &mut Map<u8>,
     labels: &mut Map<u8>,
     contours: &mut Vec<Contour, MAX_CLUSTERS>,
-    points: &mut Vec<ContourPoint, MAX_CONTOUR_POINTS>,
+    points: &mut [ContourPoint],
 ) -> Result<(), Error> {
     contours.clear();
-    points.clear();
     labels.as_flattened_mut().fill(0);
-    for (mark, value) in marks.as_flattened_mut().iter_mut().zip(density.as_flattened()) {
-        *mark = if *value >= threshold { OCCUPIED } else { 0 };
-    }
+    // More could not be numbered.
+    let room = points.len().min(MAX_CONTOUR_POINTS);
+    let mut points = Points { slots: points.get_mut(..room).unwrap_or_default(), len: 0 };
     for row in 0..MAP_DEPTH {
         for column in 0..MAP_WIDTH {
             let left_empty = column == 0 || marks[row][column - 1] == 0;
             if marks[row][column] == 0 || !left_empty || labels[row][column] != 0 {
                 continue;
             }
-            let start = points.len();
+            let start = points.len;
             let label = contours.len() as u8 + 1;
-            let followed = follow(marks, column as i32, row as i32, points);
-            let Ok((length, bounds)) = followed else {
-                points.truncate(start);
+            let Ok(path) = follow(marks, column as i32, row as i32, &mut points) else {
                 return Err(Error::Capacity("contour points"));
             };
             let contour = Contour {
                 start: start as u16,
-                points: (points.len() - start) as u16,
-                cells: fill(marks, labels, label, bounds),
-                length,
+                points: (points.len - start) as u16,
+                cells: fill(marks, labels, label, path.bounds),
+                straight: path.straight,
+                diagonal: path.diagonal,
             };
             if contours.push(contour).is_err() {
                 erase(labels, label);
-                points.truncate(start);
                 return Err(Error::Capacity("clusters"));
             }
         }
@@ -113,6 +143,13 @@ pub fn find(
 
 /// Smallest column and row, largest column and row.
 type Bounds = [i32; 4];
+
+/// A border that was followed. It has as many steps as points, or none: u16 holds them.
+struct Path {
+    straight: u16,
+    diagonal: u16,
+    bounds: Bounds,
+}
 
 /// Whether a cell is occupied; cells outside of the map are not.
 #[inline(always)]
@@ -130,13 +167,8 @@ fn mark(marks: &mut Map<u8>, column: i32, row: i32, side: u8) {
 }
 
 /// Follows the outer border from its first cell in raster order, whose left neighbour is empty; marks which sides of
-/// the cells it passes. Returns its length in metres and its bounds, or `Err` when there is no room for the points.
-fn follow(
-    marks: &mut Map<u8>,
-    column: i32,
-    row: i32,
-    points: &mut Vec<ContourPoint, MAX_CONTOUR_POINTS>,
-) -> Result<(f32, Bounds), ContourPoint> {
+/// the cells it passes.
+fn follow(marks: &mut Map<u8>, column: i32, row: i32, points: &mut Points<'_>) -> Result<Path, Full> {
     let mut bounds = [column, row, column, row];
     mark(marks, column, row, LEFT);
     // Clockwise from the left neighbour: the cell from which the border comes back to its start.
@@ -145,14 +177,14 @@ fn follow(
         occupied(marks, column + dx, row + dy)
     }) else {
         mark(marks, column, row, RIGHT);
-        points.push(ContourPoint { column: column as u8, row: row as u8 })?;
-        return Ok((0.0, bounds));
+        points.push(column, row)?;
+        return Ok(Path { straight: 0, diagonal: 0, bounds });
     };
     let end = (column + STEPS[last].0, row + STEPS[last].1);
     let (mut here, mut from) = ((column, row), last);
-    let (mut straight, mut diagonal) = (0u32, 0u32);
+    let (mut straight, mut diagonal) = (0u16, 0u16);
     loop {
-        points.push(ContourPoint { column: here.0 as u8, row: here.1 as u8 })?;
+        points.push(here.0, here.1)?;
         bounds = [bounds[0].min(here.0), bounds[1].min(here.1), bounds[2].max(here.0), bounds[3].max(here.1)];
         // Counter-clockwise from where the border came, to the next occupied cell. `from` itself is occupied, so the
         // search ends there at the latest.
@@ -176,8 +208,7 @@ fn follow(
         }
         let next = (here.0 + STEPS[direction].0, here.1 + STEPS[direction].1);
         if next == (column, row) && here == end {
-            let cells = straight as f32 + core::f32::consts::SQRT_2 * diagonal as f32;
-            return Ok((cells * CELL, bounds));
+            return Ok(Path { straight, diagonal, bounds });
         }
         (here, from) = (next, (direction + 4) % 8);
     }

@@ -31,6 +31,24 @@ impl Rejection {
             Self::Occluded => "occluded",
         }
     }
+
+    /// The first reason that holds, of those that need no other cluster.
+    pub(super) fn first(
+        noise: bool,
+        at_border: impl FnOnce() -> bool,
+        too_small: bool,
+        too_large: bool,
+    ) -> Option<Self> {
+        if noise {
+            Some(Self::Noise)
+        } else if at_border() {
+            Some(Self::AtBorder)
+        } else if too_small {
+            Some(Self::TooSmall)
+        } else {
+            too_large.then_some(Self::TooLarge)
+        }
+    }
 }
 
 /// What a cluster must be like to be a candidate.
@@ -81,35 +99,50 @@ impl Limits {
     }
 }
 
-/// A cluster: the pixels whose floor projection lies within one contour.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What lengths are measured in: metres (`f32`) or 1/128 mm (`i32`).
+pub trait Length: Copy {
+    /// No length.
+    const ZERO: Self;
+}
+
+impl Length for f32 {
+    const ZERO: Self = 0.0;
+}
+
+impl Length for i32 {
+    const ZERO: Self = 0;
+}
+
+/// A cluster: the pixels whose floor projection lies within one contour. Lengths in metres; in the fixed-point stages
+/// in 1/128 mm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Cluster<T = f32> {
     /// Number of pixels.
     pub pixels: u32,
     /// First column, first row, last column, last row of its pixels.
     pub bbox: [u16; 4],
-    /// Mean of its points on the floor: right and forward in metres.
+    /// Mean of its points on the floor: right and forward.
     pub centroid: [T; 2],
-    /// Height of its highest point above the floor in metres.
+    /// Height of its highest point above the floor.
     pub top: T,
-    /// Centre of the box around it in the camera frame, in metres. The box stands on the floor and faces the sensor.
+    /// Centre of the box around it in the camera frame. The box stands on the floor and faces the sensor.
     pub center: [T; 3],
-    /// Width (across the line of sight), height and depth (along it) of that box in metres.
+    /// Width (across the line of sight), height and depth (along it) of that box.
     pub size: [T; 3],
     /// Why it is no candidate; `None` for candidates.
     pub rejection: Option<Rejection>,
 }
 
-impl Cluster {
+impl<T: Length> Cluster<T> {
     /// A cluster without pixels.
     pub const EMPTY: Self = Self {
         pixels: 0,
         bbox: [u16::MAX, u16::MAX, 0, 0],
-        centroid: [0.0; 2],
-        top: 0.0,
-        center: [0.0; 3],
-        size: [0.0; 3],
+        centroid: [T::ZERO; 2],
+        top: T::ZERO,
+        center: [T::ZERO; 3],
+        size: [T::ZERO; 3],
         rejection: None,
     };
 
@@ -171,16 +204,30 @@ pub fn judge<const W: usize, const H: usize>(
         measure(cluster, contour.of(points), axes);
         cluster.rejection = judge_alone::<W, H>(cluster, contour, contour.of(points), area, limits);
     }
-    for i in 0..clusters.len() {
-        let Some(contour) = contours.get(i) else { continue };
-        if clusters[i].rejection.is_none() {
-            let share =
-                occlusion::occluded_share(i, clusters, contour, points, labels, axes.floor.height, limits.hidden);
-            if share > limits.max_occluded {
-                clusters[i].rejection = Some(Rejection::Occluded);
-            }
+    reject_occluded(clusters, contours, |i, clusters, contour| {
+        let share = occlusion::occluded_share(i, clusters, contour, points, labels, axes.floor.height, limits.hidden);
+        share > limits.max_occluded
+    });
+}
+
+/// Rejects the clusters left by the tests that need no other cluster, where `occluded` says so.
+pub(super) fn reject_occluded<T>(
+    clusters: &mut [Cluster<T>],
+    contours: &[Contour],
+    occluded: impl Fn(usize, &[Cluster<T>], &Contour) -> bool,
+) {
+    for (i, contour) in contours.iter().enumerate().take(clusters.len()) {
+        if clusters[i].rejection.is_none() && occluded(i, clusters, contour) {
+            clusters[i].rejection = Some(Rejection::Occluded);
         }
     }
+}
+
+/// Whether an object is cut by the image's left, right or lower border (or reaches their margin). The upper border cuts
+/// whatever is taller than the view; templates are cut there as well.
+pub(super) fn cut<const W: usize, const H: usize>(bbox: [u16; 4], margin: u16) -> bool {
+    let ([u0, _, u1, v1], margin) = (bbox.map(usize::from), usize::from(margin));
+    u0 < margin || u1 + margin >= W || v1 + margin >= H
 }
 
 /// The box around a cluster, from its footprint and its height.
@@ -216,21 +263,16 @@ fn judge_alone<const W: usize, const H: usize>(
 ) -> Option<Rejection> {
     // Pixels as many as a QVGA image would have.
     let qvga = cluster.pixels as f32 * (320.0 * 320.0 / (W * W) as f32);
-    let [u0, _, u1, v1] = cluster.bbox.map(usize::from);
-    let margin = usize::from(limits.margin);
-    // The image's upper border cuts whatever is taller than the view; templates are cut there as well.
-    let cut = u0 < margin || u1 + margin >= W || v1 + margin >= H;
-    if qvga < limits.min_pixels as f32 {
-        Some(Rejection::Noise)
-    } else if cut || points.iter().any(|p| area.at_border(usize::from(p.column), usize::from(p.row))) {
-        Some(Rejection::AtBorder)
-    } else if contour.area() < limits.area.0 || contour.length < limits.length.0 || cluster.top < limits.min_top {
-        Some(Rejection::TooSmall)
-    } else if contour.area() > limits.area.1 || contour.length > limits.length.1 {
-        Some(Rejection::TooLarge)
-    } else {
-        None
-    }
+    let (ground, length) = (contour.area(), contour.length());
+    Rejection::first(
+        qvga < limits.min_pixels as f32,
+        || {
+            cut::<W, H>(cluster.bbox, limits.margin)
+                || points.iter().any(|p| area.at_border(usize::from(p.column), usize::from(p.row)))
+        },
+        ground < limits.area.0 || length < limits.length.0 || cluster.top < limits.min_top,
+        ground > limits.area.1 || length > limits.length.1,
+    )
 }
 
 const _: () = assert!(MAP_WIDTH <= u16::MAX as usize);
@@ -245,14 +287,14 @@ mod tests {
         (floor.axes(), SensoryArea::new(&super::super::AreaParams::DEFAULT, &Intrinsics::KINECT_QVGA, &floor))
     }
 
-    fn contour_of(points: &[ContourPoint], cells: u32, length: f32) -> Contour {
-        Contour { start: 0, points: points.len() as u16, cells, length }
+    fn contour_of(points: &[ContourPoint], cells: u32, straight: u16) -> Contour {
+        Contour { start: 0, points: points.len() as u16, cells, straight, diagonal: 0 }
     }
 
     fn judged(cluster: Cluster, row: u8, cells: u32) -> Option<Rejection> {
         let points = [ContourPoint { column: 128, row }];
-        let length = 4.0 * (cells as f32).sqrt() * CELL;
-        judge_alone::<320, 240>(&cluster, &contour_of(&points, cells, length), &points, &setting().1, &Limits::DEFAULT)
+        let steps = 4 * cells.isqrt() as u16;
+        judge_alone::<320, 240>(&cluster, &contour_of(&points, cells, steps), &points, &setting().1, &Limits::DEFAULT)
     }
 
     const GOOD: Cluster = Cluster { pixels: 900, bbox: [100, 50, 140, 120], top: 0.7, ..Cluster::EMPTY };

@@ -4,6 +4,7 @@
 //! of the covariance Sigma_P = R^T Sigma R, where Sigma holds the sensor's lateral and axial error at the cell's
 //! distance (Khoshelham and Elberink 2012) and R turns the axes into the ray's direction on the floor.
 
+use super::border::OCCUPIED;
 use super::{CELL, MAP_DEPTH, MAP_WIDTH, Map, SensoryArea, cell_centre, cell_of};
 use crate::{Error, FloorAxes, Image, Rays, math};
 
@@ -137,6 +138,13 @@ pub fn spread(counts: &Map<f32>, params: &DensityParams, focal: f32, gaussian: &
                 spread_cell(column, row, count, params, focal, gaussian, density);
             }
         }
+    }
+}
+
+/// Marks the cells whose density reaches `threshold` with 1, the others with 0.
+pub fn occupied(density: &Map<f32>, threshold: f32, marks: &mut Map<u8>) {
+    for (mark, value) in marks.as_flattened_mut().iter_mut().zip(density.as_flattened()) {
+        *mark = if *value >= threshold { OCCUPIED } else { 0 };
     }
 }
 

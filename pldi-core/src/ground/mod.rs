@@ -5,11 +5,12 @@ pub mod area;
 pub mod border;
 pub mod candidates;
 pub mod density;
+pub mod fixed;
 pub mod occlusion;
 
 pub use area::{AreaParams, SensoryArea};
 pub use border::{Contour, ContourPoint};
-pub use candidates::{Cluster, Limits, Rejection};
+pub use candidates::{Cluster, Length, Limits, Rejection};
 pub use density::DensityParams;
 
 use crate::Image;

@@ -69,7 +69,7 @@ mod tests {
                 }
             }
         }
-        let contour = |start| Contour { start, points: 100, cells: 100, length: 0.8 };
+        let contour = |start| Contour { start, points: 100, cells: 100, straight: 40, diagonal: 0 };
         let clusters = [Cluster { top: front_top, ..Cluster::EMPTY }, Cluster { top: back_top, ..Cluster::EMPTY }];
         [0, 1].map(|i| occluded_share(i, &clusters, &contour(100 * i as u16), &points, &labels, sensor, 0.25))
     }

@@ -138,7 +138,12 @@ impl Arithmetic for Float {
         let FloatImages { depth, labels, counts, density, marks, map_labels, points, .. } = images;
         density::project(depth, rays, &axes, &area, &params.density, labels, counts);
         density::spread(counts, &params.density, rays.intrinsics().fx, gaussian, density);
-        border::find(density, params.density.threshold, marks, map_labels, &mut report.contours, points)?;
+        density::occupied(density, params.density.threshold, marks);
+        // As long as its capacity: always room.
+        let _ = points.resize_default(MAX_CONTOUR_POINTS);
+        let found = border::find(marks, map_labels, &mut report.contours, points);
+        points.truncate(border::point_count(&report.contours));
+        found?;
         report.clusters.clear();
         for _ in &report.contours {
             report.clusters.push(Cluster::EMPTY).map_err(|_| Error::Capacity("clusters"))?;

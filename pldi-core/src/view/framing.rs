@@ -58,7 +58,7 @@ impl ViewParams {
     }
 
     /// The number of the framing and its side in metres, as template files record them.
-    pub fn framing_fields(&self) -> (u8, f32) {
+    pub const fn framing_fields(&self) -> (u8, f32) {
         match self.framing {
             Framing::Fit => (0, 0.0),
             Framing::Metric { side } => (1, side),
@@ -67,11 +67,13 @@ impl ViewParams {
 
     /// CRC-32 of the parameters' bytes (descriptor, framing, side, radius; numbers little-endian) and of the fixed numbers
     /// that views depend on: templates of a version with others do not match.
-    pub fn hash(&self) -> u32 {
+    pub const fn hash(&self) -> u32 {
         let (framing, side) = self.framing_fields();
-        let head = crc32(0, &[self.descriptor as u8, framing]);
-        let numbers = [side, self.radius, MARGIN, FRONTAL_DISTANCE];
-        numbers.iter().fold(head, |hash, number| crc32(hash, &number.to_le_bytes()))
+        let hash = crc32(0, &[self.descriptor as u8, framing]);
+        let hash = crc32(hash, &side.to_le_bytes());
+        let hash = crc32(hash, &self.radius.to_le_bytes());
+        let hash = crc32(hash, &MARGIN.to_le_bytes());
+        crc32(hash, &FRONTAL_DISTANCE.to_le_bytes())
     }
 }
 
@@ -90,7 +92,7 @@ pub struct Frontal {
 
 /// How much larger than the object a fitted square is. The wavelets are periodic: without a margin the object's top
 /// would meet its feet across the border (measured: docs/decisions.md).
-const MARGIN: f32 = 1.25;
+pub(super) const MARGIN: f32 = 1.25;
 
 /// The frontal view of the pixels that carry `label` within `bbox` (first column, first row, last column, last row).
 ///

@@ -22,9 +22,11 @@ type Found = (std::vec::Vec<Contour>, std::vec::Vec<ContourPoint>, Box<Map<u8>>)
 
 fn run(density: &Map<f32>) -> Result<Found, Error> {
     let (mut marks, mut labels) = (boxed(0u8), boxed(0u8));
-    let (mut contours, mut points) = (Vec::new(), Vec::new());
-    find(density, 0.5, &mut marks, &mut labels, &mut contours, &mut points)?;
-    Ok((contours.to_vec(), points.to_vec(), labels))
+    let (mut contours, mut points) = (Vec::new(), vec![ContourPoint::default(); MAX_CONTOUR_POINTS]);
+    crate::ground::density::occupied(density, 0.5, &mut marks);
+    find(&mut marks, &mut labels, &mut contours, &mut points)?;
+    points.truncate(point_count(&contours));
+    Ok((contours.to_vec(), points, labels))
 }
 
 #[test]
@@ -32,7 +34,7 @@ fn a_square_has_its_area_and_length() {
     let (contours, points, _) = found(&["####", "####", "####"], 100, 50);
     assert_eq!(contours.len(), 1);
     assert_eq!((contours[0].cells, contours[0].points), (12, 10));
-    assert!((contours[0].length - 10.0 * CELL).abs() < 1e-6);
+    assert!((contours[0].length() - 10.0 * CELL).abs() < 1e-6);
     assert_eq!(points[0], ContourPoint { column: 100, row: 50 });
 }
 
@@ -49,7 +51,10 @@ fn regions_at_every_edge_of_the_map_are_found() {
 #[test]
 fn single_cells_and_thin_lines() {
     let (contours, ..) = found(&["#...#", ".....", "..#.."], 10, 10);
-    assert_eq!(contours.iter().map(|c| (c.cells, c.points, c.length)).collect::<std::vec::Vec<_>>(), [(1, 1, 0.0); 3]);
+    assert_eq!(
+        contours.iter().map(|c| (c.cells, c.points, c.length())).collect::<std::vec::Vec<_>>(),
+        [(1, 1, 0.0); 3]
+    );
     let (contours, ..) = found(&["#...", ".#..", "..#.", "...#"], 10, 10);
     assert_eq!((contours.len(), contours[0].cells, contours[0].points), (1, 4, 6));
 }

@@ -1,0 +1,143 @@
+//! The 128x128 view in fixed point: bilinear sampling of N through a homography.
+
+use super::{Frontal, Homography};
+use crate::Image;
+use crate::fixed::{reciprocal, where_not_negative};
+use crate::wavelet::SIZE;
+use core::ops::Range;
+
+/// Bits that N is shifted up by in the plane of the wavelet transform.
+pub const PLANE_BITS: u32 = 7;
+
+/// Fills the plane that the wavelet transform works on with the view, N << 7: row 0 is the square's upper side, column 0
+/// the left one.
+///
+/// Pixels that do not carry `label` (not 0) count as 0, in the interpolation too: the object stands on black. Positions are
+/// within 2^-12 pixels, the weights have 12 bits, N is rounded to nearest.
+pub fn warp<const W: usize, const H: usize>(
+    n: &Image<u16, W, H>,
+    labels: &Image<u8, W, H>,
+    label: u8,
+    frontal: &Frontal,
+    plane: &mut [[i32; SIZE]; SIZE],
+) {
+    let scan = Scan::new(frontal);
+    for (j, row) in plane.iter_mut().enumerate() {
+        row.fill(0);
+        let start = scan.row(j);
+        let columns = scan.columns(start, frontal.bbox);
+        let mut at: [i64; 3] =
+            core::array::from_fn(|k| start[k].wrapping_add(scan.right[k].wrapping_mul(columns.start as i64)));
+        for out in row.get_mut(columns).unwrap_or(&mut []) {
+            let [u, v, w] = at.map(|c| (c >> 32) as i32);
+            // Positive w of 2^9 and more: below, it is rounding errors that would be divided by.
+            if w >= 1 << 9 {
+                let (mantissa, shift) = reciprocal(w as u32);
+                // Below 2^31 * 2^32; the shift is 41 at least. To Q12.
+                let [u, v] = [u, v].map(|c| (i64::from(c) * i64::from(mantissa)) >> (shift - 12));
+                *out = i32::from(sample(n, labels, label, u, v)) << PLANE_BITS;
+            }
+            at = core::array::from_fn(|k| at[k].wrapping_add(scan.right[k]));
+        }
+    }
+}
+
+/// The homogeneous pixel coordinates of the view's samples: linear in row and column.
+struct Scan {
+    /// Of the sample at the upper left.
+    first: [i64; 3],
+    /// To the next column.
+    right: [i64; 3],
+    /// To the next row.
+    down: [i64; 3],
+}
+
+impl Scan {
+    /// All coordinates are scaled alike so that the largest within the view has 61 or 62 bits.
+    fn new(frontal: &Frontal) -> Self {
+        let Homography(map) = frontal.to_image;
+        // Entries times Q26, halved so that what follows stays below 2^63: steps (half/64) below 2^54, the middle below 2^61.1,
+        // corners below 2^62.1.
+        let half = i64::from(frontal.half);
+        let right = map.map(|r| (i64::from(r[0]) * half) >> 7);
+        let down = map.map(|r| (i64::from(r[1]) * half) >> 7);
+        let first: [i64; 3] = core::array::from_fn(|k| {
+            let [x, y] = frontal.centre.map(i64::from);
+            let middle =
+                ((i64::from(map[k][0]) * x) >> 1) + ((i64::from(map[k][1]) * y) >> 1) + (i64::from(map[k][2]) << 25);
+            // 63.5 steps up and to the left.
+            middle - (right[k] * 127 + down[k] * 127) / 2
+        });
+        let corners = |k: usize| {
+            let across = right[k] * (SIZE as i64 - 1);
+            let below = first[k] + down[k] * (SIZE as i64 - 1);
+            first[k].unsigned_abs()
+                | (first[k] + across).unsigned_abs()
+                | below.unsigned_abs()
+                | (below + across).unsigned_abs()
+        };
+        let bits = 64 - (corners(0) | corners(1) | corners(2)).leading_zeros();
+        let scaled = |v: [i64; 3]| v.map(|v| if bits > 62 { v >> (bits - 62) } else { v << (62 - bits) });
+        Self { first: scaled(first), right: scaled(right), down: scaled(down) }
+    }
+
+    /// The first sample of row `j`.
+    fn row(&self, j: usize) -> [i64; 3] {
+        core::array::from_fn(|k| self.first[k] + self.down[k] * j as i64)
+    }
+
+    /// The columns of a row (by its first sample) that may lie less than a pixel beside `bbox`.
+    fn columns(&self, start: [i64; 3], bbox: [u16; 4]) -> Range<usize> {
+        let [left, top, right, bottom] = bbox.map(i64::from);
+        let (mut first, mut end) = (0, SIZE);
+        // Coordinate k over the last one is at least (side 1) or at most (side -1) the bound: in 2^-16 of the numbers, so
+        // that a bound below 2^17 fits.
+        for (k, side, bound) in [(0, 1, left - 1), (1, 1, top - 1), (0, -1, right + 1), (1, -1, bottom + 1)] {
+            let beyond = |v: [i64; 3]| side * ((v[k] >> 18) - bound * (v[2] >> 18));
+            let (a, b) = where_not_negative(beyond(start), beyond(self.right), SIZE);
+            (first, end) = (first.max(a), end.min(b));
+        }
+        first..end.max(first)
+    }
+}
+
+/// N at a position between pixels in Q12, rounded to nearest; 0 beside the object and beside the image.
+#[inline(always)]
+fn sample<const W: usize, const H: usize>(
+    n: &Image<u16, W, H>,
+    labels: &Image<u8, W, H>,
+    label: u8,
+    u: i64,
+    v: i64,
+) -> u16 {
+    let (Ok(column), Ok(row)) = (i32::try_from(u >> 12), i32::try_from(v >> 12)) else { return 0 };
+    let (a, b) = ((u & 0xFFF) as u32, (v & 0xFFF) as u32);
+    let inside = usize::try_from(column).ok().zip(usize::try_from(row).ok());
+    let square = inside.and_then(|(x, y)| Some((pair(labels, x, y)?, pair(n, x, y)?)));
+    let [[upper_left, upper_right], [lower_left, lower_right]] = match square {
+        Some((labels, n)) => core::array::from_fn(|j| {
+            core::array::from_fn(|i| if labels[j][i] == label { u32::from(n[j][i]) } else { 0 })
+        }),
+        // At the image's border, pixel by pixel.
+        None => core::array::from_fn(|j| {
+            core::array::from_fn(|i| {
+                let (x, y) = (column.wrapping_add(i as i32) as usize, row.wrapping_add(j as i32) as usize);
+                match (labels.get(y).and_then(|r| r.get(x)), n.get(y).and_then(|r| r.get(x))) {
+                    (Some(l), Some(n)) if *l == label => u32::from(*n),
+                    _ => 0,
+                }
+            })
+        }),
+    };
+    // Q12, kept in Q4; times Q12 it is N in Q16 and at most 65535 * 2^16.
+    let upper = (upper_left * (4096 - a) + upper_right * a + (1 << 7)) >> 8;
+    let lower = (lower_left * (4096 - a) + lower_right * a + (1 << 7)) >> 8;
+    ((upper * (4096 - b) + lower * b + (1 << 15)) >> 16) as u16
+}
+
+/// The 2x2 pixels from column `x` and row `y` on; `None` where they are not all inside of the image.
+#[inline(always)]
+fn pair<T: Copy, const W: usize, const H: usize>(image: &Image<T, W, H>, x: usize, y: usize) -> Option<[[T; 2]; 2]> {
+    let rows: &[[T; W]; 2] = image.get(y..)?.first_chunk()?;
+    Some([*rows[0].get(x..)?.first_chunk()?, *rows[1].get(x..)?.first_chunk()?])
+}
