@@ -90,9 +90,9 @@ pub fn gather<const W: usize, const H: usize>(
     let gate = Gate::new(rays, axes, area, params);
     let map_labels = map_labels.as_flattened();
     let start = |v| gate.row(rays, v);
-    gather_pixels(depth, start, labels, clusters, |_, _, z, ray| match gate.pixel(z, ray) {
-        Some(pixel) => (map_labels.get(pixel.cell).copied().unwrap_or(0), pixel.point, pixel.height),
-        None => (0, [0; 2], 0),
+    gather_pixels(depth, start, labels, clusters, |_, _, z, ray| {
+        let pixel = gate.pixel(z, ray)?;
+        Some((map_labels.get(pixel.cell).copied()?, pixel.point, pixel.height))
     });
 }
 
@@ -110,7 +110,7 @@ pub fn gather_mask<const W: usize, const H: usize>(
     let start = |v| (0..W, projection.ray(rays, v, 0), projection.step());
     gather_pixels(depth, start, labels, clusters, |u, v, z, ray| {
         let (point, up) = ray.at(z);
-        (u8::from(z != 0 && mask(u, v)), point, axes.floor.height.wrapping_add(up))
+        (z != 0 && mask(u, v)).then(|| (1, point, axes.floor.height.wrapping_add(up)))
     });
 }
 
@@ -154,14 +154,14 @@ fn sum_of(words: [i32; 3]) -> i64 {
 }
 
 /// Labels pixels and adds them to their clusters. `start` gives a row's columns, the ray of the first and the step;
-/// `judge` takes column, row, depth and ray to label, point and height.
+/// `judge` takes column, row, depth and ray to label, point and height, or to nothing.
 #[inline(always)]
 fn gather_pixels<const W: usize, const H: usize>(
     depth: &Image<u16, W, H>,
     start: impl Fn(usize) -> (Range<usize>, Ray, Ray),
     labels: &mut Image<u8, W, H>,
     clusters: &mut [Cluster],
-    judge: impl Fn(usize, usize, u16, Ray) -> (u8, Point, i32),
+    judge: impl Fn(usize, usize, u16, Ray) -> Option<(u8, Point, i32)>,
 ) {
     clusters.fill(Cluster::EMPTY);
     for (v, (line, labels)) in depth.iter().zip(labels.iter_mut()).enumerate() {
@@ -169,16 +169,19 @@ fn gather_pixels<const W: usize, const H: usize>(
         let (columns, mut ray, step) = start(v);
         let mut run = Run::new(0, 0);
         for (u, (&z, out)) in line.iter().zip(labels.iter_mut()).enumerate().take(columns.end).skip(columns.start) {
-            let (label, [right, forward], height) = judge(u, v, z, ray);
+            let judged = judge(u, v, z, ray);
             ray = ray.next(step);
-            *out = label;
+            let label = judged.map_or(0, |(label, ..)| label);
             if label != run.label {
                 run.close(v, u, clusters);
                 run = Run::new(label, u);
             }
-            run.right += i64::from(right);
-            run.forward += i64::from(forward);
-            run.top = run.top.max(height);
+            if let Some((label, [right, forward], height)) = judged {
+                *out = label;
+                run.right += i64::from(right);
+                run.forward += i64::from(forward);
+                run.top = run.top.max(height);
+            }
         }
         run.close(v, columns.end, clusters);
     }

@@ -35,11 +35,8 @@ pub struct DensityParams {
     pub threshold: u16,
 }
 
-/// Kernels reach at most so many cells.
-const REACH: u32 = 15;
-
-/// Largest standard deviation of a kernel in cells, Q16: three of them (and of the half cell that is added) are less than
-/// [`REACH`] + 1.
+/// Largest standard deviation of a kernel in cells, Q16: with the half cell that is added, three of them are less than
+/// 16 cells.
 const MAX_DEVIATION: i64 = 5 << 16;
 
 /// Largest product of lateral deviation and bandwidth in pixels, Q16: at a focal length of 250 pixels (QVGA: 65 degrees) and
@@ -242,12 +239,77 @@ fn spread_cell(column: usize, row: usize, peak: u32, kernel: &Kernel, density: &
     }
 }
 
-const _: () =
-    assert!(9 * ((MAX_DEVIATION as u64 * MAX_DEVIATION as u64 >> 16) + (1 << 14)) >> 16 < (REACH as u64 + 1).pow(2));
-
 /// Marks the cells whose density reaches `threshold` (both in Q10) with 1, the others with 0.
 pub fn occupied(density: &Map<u16>, threshold: u16, marks: &mut Map<u8>) {
     for (mark, value) in marks.as_flattened_mut().iter_mut().zip(density.as_flattened()) {
         *mark = if *value >= threshold { OCCUPIED } else { 0 };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ground::{self, density as float};
+    use proptest::prelude::*;
+
+    fn map<T: Copy>(value: T) -> Box<Map<T>> {
+        vec![[value; MAP_WIDTH]; MAP_DEPTH].into_boxed_slice().try_into().ok().unwrap()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// One cell's kernel against the float stage's; where its table steps, the next step is as right.
+        #[test]
+        fn kernels_agree_with_the_float_ones(
+            column in 0usize..MAP_WIDTH, row in 0usize..MAP_DEPTH, bandwidth in 0.0f32..4.0, focal in 140.0f32..600.0,
+        ) {
+            let params = ground::DensityParams { bandwidth, ..ground::DensityParams::DEFAULT };
+            let (mut counts, mut truth) = (map(0.0), map(0.0));
+            let (mut fixed_counts, mut density) = (map(0u16), map(0u16));
+            counts[row][column] = 40.0;
+            fixed_counts[row][column] = 40 << if row < FAR_ROW { 8 } else { 7 };
+            float::spread(&counts, &params, focal, &float::Gaussian::new(), &mut truth);
+            spread(&fixed_counts, &DensityParams::new(&params).unwrap(), (focal * 65_536.0) as i32, &mut density);
+            let mut steps = 0;
+            for (a, b) in density.as_flattened().iter().zip(truth.as_flattened()) {
+                let error = (f32::from(*a) / 1024.0 - b).abs();
+                steps += usize::from(error > 0.01 * b + 0.02);
+                prop_assert!(error <= 0.07 * b + 0.02 || *b < 0.3, "{a} {b}");
+            }
+            prop_assert!(steps <= 2, "{steps}");
+        }
+    }
+
+    #[test]
+    fn saturated_counts_are_dense() {
+        let mut density = map(0);
+        for bandwidth in [0.0, 1.0, 4.0] {
+            let params = ground::DensityParams { bandwidth, ..ground::DensityParams::DEFAULT };
+            let params = DensityParams::new(&params).unwrap();
+            for focal in [i32::MIN, 0, 1, i32::MAX] {
+                spread(&map(u16::MAX), &params, focal, &mut density);
+                // Beside the camera, few kernels meet.
+                assert!(density.as_flattened().iter().all(|d| *d > 16 << 10), "{bandwidth} {focal}");
+            }
+        }
+        let mut marks = map(0);
+        occupied(&density, 16 << 10, &mut marks);
+        assert!(marks.as_flattened().iter().all(|m| *m == 1));
+    }
+
+    #[test]
+    fn kernels_that_reach_too_far_are_refused() {
+        let good = ground::DensityParams::DEFAULT;
+        let bad = [
+            (ground::DensityParams { axial: 0.02, ..good }, "density: axial times bandwidth"),
+            (ground::DensityParams { bandwidth: 8.0, ..good }, "density: axial times bandwidth"),
+            (ground::DensityParams { lateral: 7.0, ..good }, "density: lateral times bandwidth"),
+            (ground::DensityParams { threshold: 61.0, ..good }, "density: threshold"),
+            (ground::DensityParams { min_height: f32::NAN, ..good }, "density: min_height"),
+        ];
+        for (params, name) in bad {
+            assert_eq!(DensityParams::new(&params), Err(Error::OutOfRange(name)));
+        }
     }
 }

@@ -166,3 +166,34 @@ impl<const W: usize, const H: usize> Pixels<'_, W, H> {
         Some((centre, reach(0).max(reach(1))))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view;
+
+    #[test]
+    fn parameters_keep_their_hash_and_their_ranges() {
+        const DEFAULT: ViewParams = match ViewParams::new(&view::ViewParams::DEFAULT) {
+            Ok(params) => params,
+            Err(_) => panic!("the defaults are valid"),
+        };
+        assert_eq!((DEFAULT.hash, DEFAULT.radius), (view::ViewParams::DEFAULT.hash(), 320));
+        let metric = view::ViewParams { framing: view::Framing::Metric { side: 2.0 }, ..view::ViewParams::DEFAULT };
+        assert_eq!(ViewParams::new(&metric).unwrap().framing, Framing::Metric { side: 256_000 });
+        let bad = view::ViewParams { framing: view::Framing::Metric { side: 11.0 }, ..metric };
+        assert_eq!(ViewParams::new(&bad), Err(Error::OutOfRange("view side")));
+        let bad = view::ViewParams { radius: 0.6, ..metric };
+        assert_eq!(ViewParams::new(&bad), Err(Error::OutOfRange("normal radius")));
+    }
+
+    #[test]
+    fn an_object_without_pixels_has_no_view() {
+        let camera = crate::rays::fixed::Intrinsics::new(&crate::Intrinsics::KINECT_QVGA).unwrap();
+        let rays = Rays::<320, 240>::new(&camera).unwrap();
+        let axes = super::super::homography::tests::axes(0.3, 0.0).1;
+        let map = Homography::plane_to_rays(&axes, [0, 256_000]).unwrap();
+        let labels: Box<Image<u8, 320, 240>> = vec![[0; 320]; 240].into_boxed_slice().try_into().unwrap();
+        assert_eq!(frontal(Framing::Fit, &labels, 1, [0, 0, 319, 239], &rays, &map, 153_600), None);
+    }
+}

@@ -172,7 +172,7 @@ impl Inverse {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::floor::fixed::Floor;
     use crate::view;

@@ -141,3 +141,80 @@ fn pair<T: Copy, const W: usize, const H: usize>(image: &Image<T, W, H>, x: usiz
     let rows: &[[T; W]; 2] = image.get(y..)?.first_chunk()?;
     Some([*rows[0].get(x..)?.first_chunk()?, *rows[1].get(x..)?.first_chunk()?])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view;
+    use crate::view::fixed::framing::{Framing, frontal};
+    use crate::view::fixed::homography::tests::axes;
+    use proptest::prelude::*;
+
+    const W: usize = 320;
+    const H: usize = 240;
+
+    fn boxed<T: Copy, const W: usize, const H: usize>(value: T) -> Box<Image<T, W, H>> {
+        vec![[value; W]; H].into_boxed_slice().try_into().ok().unwrap()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+
+        /// The view of a textured panel in both arithmetics, cut by the image's border now and then.
+        #[test]
+        fn views_agree_with_the_float_ones(
+            pitch in 0.0f32..0.6, roll in -0.1f32..0.1, right in -1.8f32..1.8, forward in 1.0f32..3.8,
+            width in 0.1f32..1.2, height in 0.2f32..1.6, fit in any::<bool>(), bits in any::<u16>(),
+        ) {
+            let camera = crate::Intrinsics::PRIMESENSE_QVGA;
+            let rays = crate::rays::fixed::Rays::<W, H>::new(&crate::rays::fixed::Intrinsics::new(&camera).unwrap()).unwrap();
+            let (float_axes, fixed_axes) = axes(pitch, roll);
+            let to_image = view::Homography::plane_to_image(&float_axes, &camera, [right, forward]).unwrap();
+            let to_plane = to_image.inverse().unwrap();
+            let (mut n, mut labels, mut wide) = (boxed(0u16), boxed(0u8), boxed(0u16));
+            let mut bbox = [u16::MAX, u16::MAX, 0, 0];
+            for v in 0..H {
+                for u in 0..W {
+                    n[v][u] = bits.wrapping_mul((u * 7 + v * 13) as u16) | 0x8000;
+                    if let Some([s, t]) = to_plane.apply(u as f32, v as f32)
+                        && s.abs() <= width / 2.0 && (0.0..=height).contains(&t)
+                    {
+                        (labels[v][u], wide[v][u]) = (7, 7);
+                        bbox = [bbox[0].min(u as u16), bbox[1].min(v as u16), bbox[2].max(u as u16), bbox[3].max(v as u16)];
+                    }
+                }
+            }
+            prop_assume!(bbox[0] < bbox[2] && bbox[1] < bbox[3]);
+            let framing = if fit { view::Framing::Fit } else { view::Framing::Metric { side: 2.0 } };
+            let float = view::framing::frontal(framing, &wide, 7, bbox, &to_image, 1.2, 1.0 / camera.fx).unwrap();
+            let mut expected: Box<crate::descriptor::View> = boxed(0);
+            view::warp::warp(&n, &wide, 7, &float, &mut expected);
+            let framing = if fit { Framing::Fit } else { Framing::Metric { side: 256_000 } };
+            let plane_to_rays = Homography::plane_to_rays(&fixed_axes, [right, forward].map(|v| (v * 128_000.0) as i32)).unwrap();
+            let fixed = frontal(framing, &labels, 7, bbox, &rays, &plane_to_rays, 153_600).unwrap();
+            let mut plane = boxed(-1);
+            warp(&n, &labels, 7, &fixed, &mut plane);
+            let mut sum = 0.0;
+            for (a, b) in expected.as_flattened().iter().zip(plane.as_flattened()) {
+                prop_assert!(*b >= 0 && *b % 128 == 0);
+                let difference = f64::from(*a) - f64::from(*b >> PLANE_BITS);
+                sum += difference * difference;
+            }
+            let rms = (sum / (SIZE * SIZE) as f64).sqrt() / 65_535.0;
+            prop_assert!(rms < 0.002, "{rms}");
+        }
+
+        /// Whatever the map and the square: no overflow.
+        #[test]
+        fn extremes(
+            entries in proptest::array::uniform9(-(1i32 << 30) + 1..1 << 30), centre in proptest::array::uniform2(any::<i32>()),
+            half in 1i32.., bbox in proptest::array::uniform4(any::<u16>()), shift in 0u32..31,
+        ) {
+            let e = entries.map(|v| v >> shift);
+            let to_image = Homography([[e[0], e[1], e[2]], [e[3], e[4], e[5]], [e[6], e[7], entries[8]]]);
+            let (n, labels, mut plane) = (boxed::<_, W, H>(u16::MAX), boxed(1), boxed(0));
+            warp(&n, &labels, 1, &Frontal { to_image, centre, half, bbox }, &mut plane);
+            prop_assert!(plane.as_flattened().iter().all(|v| (0..=65_535 << PLANE_BITS).contains(v)));
+        }
+    }
+}
