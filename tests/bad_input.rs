@@ -9,7 +9,7 @@ use pldi_core::descriptor::{DescriptorKind, LENGTH};
 use pldi_core::templates::Templates;
 use pldi_core::view::ViewParams;
 use pldi_host::output::png;
-use pldi_host::templates::{EMBEDDED, TemplateSet, View};
+use pldi_host::templates::{EMBEDDED, TemplateSet, View, fixed_file};
 
 /// Runs on a damaged copy: the exit code, what the message must contain, and how many frames are written before.
 #[track_caller]
@@ -164,7 +164,8 @@ fn small_set(descriptor: DescriptorKind) -> Vec<u8> {
 
 #[test]
 fn a_template_file_cut_anywhere_is_refused() {
-    for whole in [EMBEDDED.to_vec(), small_set(DescriptorKind::Paper)] {
+    let paper = small_set(DescriptorKind::Paper);
+    for whole in [EMBEDDED.to_vec(), fixed_file(&paper).unwrap(), paper] {
         for length in 0..whole.len() {
             let error = Templates::parse(&whole[..length]).expect_err("cut");
             assert!(!error.to_string().is_empty());
@@ -181,12 +182,14 @@ fn a_template_file_cut_anywhere_is_refused() {
 
 #[test]
 fn a_template_file_with_any_byte_changed_is_refused() {
-    let whole = small_set(DescriptorKind::Halves);
-    for at in 0..whole.len() {
-        for flip in [0xff, 0x01, 0x80] {
-            let mut bytes = whole.clone();
-            bytes[at] ^= flip;
-            assert!(Templates::parse(&bytes).is_err(), "byte {at}");
+    let halves = small_set(DescriptorKind::Halves);
+    for whole in [fixed_file(&halves).unwrap(), halves] {
+        for at in 0..whole.len() {
+            for flip in [0xff, 0x01, 0x80] {
+                let mut bytes = whole.clone();
+                bytes[at] ^= flip;
+                assert!(Templates::parse(&bytes).is_err(), "byte {at}");
+            }
         }
     }
     let out = folder();
@@ -202,6 +205,22 @@ fn a_template_file_with_any_byte_changed_is_refused() {
     }
     let missing = out.path().join("missing.pldt");
     refused(recording(), &["--templates", missing.to_str().unwrap()], 1, &["missing.pldt"], 0);
+}
+
+#[test]
+fn templates_in_the_other_encoding() {
+    let out = folder();
+    let [file, again] = ["coded.pldt", "again.pldt"].map(|name| out.path().join(name));
+    std::fs::write(&file, fixed_file(EMBEDDED).unwrap()).unwrap();
+    let message = ["coded.pldt", "16-bit logarithms", "32-bit floats are needed"];
+    refused(recording(), &["--templates", file.to_str().unwrap()], 2, &message, 0);
+    let outcome = pldi(arguments!["templates", "convert", file, "-o", again]);
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    assert!(message.iter().all(|part| outcome.stderr.contains(part)), "{}", outcome.stderr);
+    std::fs::write(&file, &EMBEDDED[..1000]).unwrap();
+    let outcome = pldi(arguments!["templates", "convert", file, "-o", again]);
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("coded.pldt: the template file is cut"));
+    assert!(!again.exists());
 }
 
 #[test]

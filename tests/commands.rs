@@ -8,6 +8,7 @@ use std::path::Path;
 use common::{copy, folder, names, pldi, real_recordings, recording};
 use pldi_core::matching::canberra;
 use pldi_core::templates::Templates;
+use pldi_host::templates::fixed_file;
 use serde_json::Value;
 
 fn read_json(path: &Path) -> Value {
@@ -193,6 +194,29 @@ fn templates_come_from_meshes_of_any_format() {
     let outcome = pldi(arguments!["templates", "build", cut, "-o", out.path().join("none.pldt"), "--class", "x"]);
     assert!(outcome.code == Some(1) && outcome.stderr.contains("cut.off"), "{}", outcome.stderr);
     assert!(!out.path().join("none.pldt").exists());
+}
+
+#[test]
+fn templates_are_converted_for_fixed_point() {
+    let out = folder();
+    let mesh = out.path().join("shelf.off");
+    std::fs::write(&mesh, off()).unwrap();
+    let [float, fixed, converted] = ["float", "fixed", "converted"].map(|name| out.path().join(name));
+    let build =
+        arguments!["templates", "build", mesh, "--class", "shelf", "--views", "5", "--noise-free", "-o"].to_vec();
+    pldi([&build[..], &arguments![float]].concat()).ok();
+    pldi([&build[..], &arguments![fixed, "--fixed"]].concat()).ok();
+    let outcome = pldi(arguments!["templates", "convert", float, "-o", converted]).ok();
+    assert!(outcome.stderr.contains("5 templates as 16-bit logarithms"), "{}", outcome.stderr);
+    let [fixed, converted] = [fixed, converted].map(|file| std::fs::read(file).unwrap());
+    assert!(fixed == converted && fixed == fixed_file(&std::fs::read(&float).unwrap()).unwrap());
+    for (file, encoding) in [("float", "32-bit floats"), ("converted", "16-bit logarithms")] {
+        let info = pldi(arguments!["templates", "info", out.path().join(file)]).ok();
+        let info = String::from_utf8(info.stdout).unwrap();
+        assert!(info.contains(&format!("5 templates of 1 objects in 1 classes, {encoding}")), "{info}");
+        let evaluated = pldi(arguments!["templates", "evaluate", out.path().join(file)]).ok();
+        assert!(String::from_utf8(evaluated.stdout).unwrap().contains("macro averages"));
+    }
 }
 
 #[test]

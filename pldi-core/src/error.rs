@@ -1,5 +1,6 @@
 //! What can be wrong with an input: small, `Copy`, naming the culprit.
 
+use crate::templates::Encoding;
 use core::fmt;
 
 /// The reason a call was refused. A frame in which nothing is found is not an error.
@@ -65,6 +66,13 @@ pub enum TemplateError {
         /// Hash of the pipeline's view parameters.
         pipeline: u32,
     },
+    /// The templates are written as floats where codes are needed, or the other way round.
+    Encoding {
+        /// How they are written.
+        file: Encoding,
+        /// How they should be.
+        needed: Encoding,
+    },
 }
 
 impl fmt::Display for Error {
@@ -95,7 +103,7 @@ impl fmt::Display for TemplateError {
             Self::Version(v) => {
                 write!(
                     f,
-                    "template file of format version {v}, this library reads version {}",
+                    "template file of format version {v}, this library reads versions 1 to {}",
                     crate::templates::VERSION
                 )
             }
@@ -108,6 +116,13 @@ impl fmt::Display for TemplateError {
                 "the templates were built with other view parameters ({file:08x}) than the pipeline's ({pipeline:08x}): \
                  use the same descriptor, framing and radius, or build the templates again"
             ),
+            Self::Encoding { file, needed } => {
+                let remedy = match needed {
+                    Encoding::Float => "take the float set that they were made from",
+                    Encoding::Logarithmic => "convert them (pldi templates convert)",
+                };
+                write!(f, "the templates hold {}, {} are needed here: {remedy}", file.name(), needed.name())
+            }
         }
     }
 }

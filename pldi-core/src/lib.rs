@@ -2,7 +2,6 @@
 #![deny(unsafe_code)]
 #![doc = include_str!("../README.md")]
 
-mod canberra;
 mod crc;
 mod eigen;
 mod error;

@@ -7,13 +7,11 @@ use pldi_core::descriptor::DescriptorKind;
 use pldi_core::floor::{FloorMode, RansacParams};
 use pldi_core::ground::Limits;
 use pldi_core::reconstruct::{FilterKind, FilterParams};
-use pldi_core::templates::layout::{self, Header};
-use pldi_core::templates::{MAGIC, Templates, VERSION};
+use pldi_core::templates::Templates;
 use pldi_core::view::{Framing, ViewParams};
 use pldi_core::{Error, Float, Floor, Frame, Intrinsics, Params, Pipeline, Workspace};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
-use zerocopy::{FromZeros, IntoBytes};
 
 const W: usize = 64;
 const H: usize = 48;
@@ -21,15 +19,7 @@ type Small = Workspace<Float, W, H>;
 
 /// A template file without templates.
 fn empty(view: &ViewParams) -> Vec<u8> {
-    let mut header = Header::new_zeroed();
-    (header.magic, header.version) = (MAGIC, VERSION.into());
-    (header.parameters, header.descriptor) = (view.hash().into(), view.descriptor as u8);
-    let (framing, side) = view.framing_fields();
-    (header.framing, header.side, header.radius) = (framing, side.into(), view.radius.into());
-    let mut bytes = header.as_bytes().to_vec();
-    let sum = layout::checksum(&bytes);
-    bytes[12..16].copy_from_slice(&sum.to_le_bytes());
-    bytes
+    common::pldt::file(view, &[])
 }
 
 /// Any camera that is not refused.

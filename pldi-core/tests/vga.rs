@@ -2,15 +2,14 @@
 
 mod common;
 
+use common::pldt::file;
 use common::{BENCH, Block, CHAIR, CHEST, Room, with_stack};
 use pldi_core::descriptor::{Descriptor, DescriptorKind};
 use pldi_core::floor::{FloorMode, RansacParams};
 use pldi_core::ground::Cluster;
-use pldi_core::templates::layout::{self, Class, Header, Object, Record};
-use pldi_core::templates::{MAGIC, Templates, VERSION};
+use pldi_core::templates::Templates;
 use pldi_core::view::{Framing, ViewParams};
 use pldi_core::{Error, Float, Floor, Frame, Intrinsics, Params, Pipeline, TemplateError, Workspace};
-use zerocopy::IntoBytes;
 
 const VGA: Intrinsics = Intrinsics { width: 640, height: 480, fx: 525.0, fy: 525.0, cx: 319.0, cy: 239.0 };
 const HEIGHT: f32 = 1.1;
@@ -18,45 +17,6 @@ const PITCH: f32 = 0.4;
 
 fn room(object: &[Block], at: [f64; 2], noise: f64) -> Room<'_> {
     Room { height: f64::from(HEIGHT), pitch: f64::from(PITCH), wall: 3.6, at, object, noise }
-}
-
-/// A template file: each entry is one view of one object of one class, which have its name.
-fn file(view: &ViewParams, templates: &[(&str, Descriptor)]) -> Vec<u8> {
-    let (framing, side) = view.framing_fields();
-    let count = templates.len() as u16;
-    let header = Header {
-        magic: MAGIC,
-        version: VERSION.into(),
-        reserved: 0.into(),
-        parameters: view.hash().into(),
-        checksum: 0.into(),
-        classes: count.into(),
-        objects: count.into(),
-        templates: u32::from(count).into(),
-        descriptor: view.descriptor as u8,
-        framing,
-        reserved2: 0.into(),
-        side: side.into(),
-        radius: view.radius.into(),
-        distance: 2.0.into(),
-        height: HEIGHT.into(),
-        simulated: 0,
-        reserved3: [0; 3],
-    };
-    let mut bytes = header.as_bytes().to_vec();
-    for (name, _) in templates {
-        bytes.extend(Class { name: layout::padded(name) }.as_bytes());
-    }
-    for (class, (name, _)) in (0u16..).zip(templates) {
-        bytes.extend(Object { class: class.into(), name: layout::padded(name) }.as_bytes());
-    }
-    for (object, (_, descriptor)) in (0u16..).zip(templates) {
-        let values = descriptor.map(Into::into);
-        bytes.extend(Record { object: object.into(), view: 0.into(), values }.as_bytes());
-    }
-    let sum = layout::checksum(&bytes);
-    bytes[12..16].copy_from_slice(&sum.to_le_bytes());
-    bytes
 }
 
 /// The candidates of a room, and their descriptors.

@@ -101,7 +101,10 @@ pub trait Arithmetic: Copy + Debug + PartialEq + sealed::Sealed {
     ) -> Self::Descriptor;
 
     /// The nearest template of each of the best classes.
-    fn nearest(templates: &Templates<'_>, descriptor: &Self::Descriptor) -> Hypotheses<Self>;
+    ///
+    /// # Errors
+    /// `Templates` where the set does not hold this arithmetic's numbers.
+    fn nearest(templates: &Templates<'_>, descriptor: &Self::Descriptor) -> Result<Hypotheses<Self>, Error>;
 }
 
 pub(super) mod sealed {

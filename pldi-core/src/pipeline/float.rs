@@ -10,7 +10,7 @@ use crate::ground::{
     Cluster, ContourPoint, MAP_DEPTH, MAP_WIDTH, MAX_CONTOUR_POINTS, Map, SensoryArea, border, candidates, density,
 };
 use crate::reconstruct::{FilterScratch, GuideTable, reconstruct};
-use crate::templates::Templates;
+use crate::templates::{Encoding, Templates};
 use crate::view::{Homography, framing, warp};
 use crate::wavelet::{Plane, SIZE};
 use crate::{Error, Floor, Frame, Image, Intrinsics, Rays, matching};
@@ -105,7 +105,7 @@ impl Arithmetic for Float {
     }
 
     fn require(params: &Params, templates: &Templates<'_>) -> Result<(), Error> {
-        Ok(templates.require(&params.view)?)
+        Ok(templates.require(&params.view, Encoding::Float)?)
     }
 
     fn reconstruct<const W: usize, const H: usize>(
@@ -219,7 +219,7 @@ impl Arithmetic for Float {
         descriptor::describe(&images.view, params.view.descriptor, &mut images.coefficients)
     }
 
-    fn nearest(templates: &Templates<'_>, descriptor: &Descriptor) -> Hypotheses<Self> {
-        matching::nearest(templates, descriptor)
+    fn nearest(templates: &Templates<'_>, descriptor: &Descriptor) -> Result<Hypotheses<Self>, Error> {
+        Ok(matching::nearest(templates, descriptor)?)
     }
 }

@@ -93,7 +93,7 @@ impl<A: Arithmetic, const W: usize, const H: usize> Pipeline<A, W, H> {
                 continue;
             }
             let Some(descriptor) = self.describe(i, &floor, workspace) else { continue };
-            let hypotheses = A::nearest(templates, &descriptor);
+            let hypotheses = A::nearest(templates, &descriptor)?;
             let detection = Detection { cluster: i as u16, descriptor, hypotheses };
             workspace.report.detections.push(detection).map_err(|_| Error::Capacity("detections"))?;
         }

@@ -1,19 +1,20 @@
 //! Template sets: the descriptors of known objects, read in place from a byte slice (a file, or flash).
 //!
 //! All numbers are little-endian and no alignment is asked for. The file is a [`layout::Header`], the class names,
-//! the objects and the templates, one after the other; its CRC-32 covers everything but the checksum's own field.
+//! the objects and the templates, one after the other; its CRC-32 covers everything but the checksum's own field. The
+//! descriptors are floats, or codes for the fixed-point pipeline: [`Encoding`].
 
 pub mod layout;
 
 pub use crate::crc::crc32;
-pub use layout::{MAGIC, VERSION};
+pub use layout::{Encoding, MAGIC, VERSION};
 
 use crate::TemplateError;
-use crate::canberra::canberra_with;
-use crate::descriptor::{Descriptor, DescriptorKind};
+use crate::descriptor::{self, Descriptor, DescriptorKind, LENGTH};
 use crate::view::{Framing, ViewParams};
-use layout::{Class, Header, Object, Record};
+use layout::{Class, Header, LogRecord, Object, Record};
 use zerocopy::FromBytes;
+use zerocopy::little_endian::{F32, U16};
 
 /// Classes that a template set can have at most.
 pub const MAX_CLASSES: usize = 64;
@@ -24,9 +25,34 @@ pub struct Templates<'a> {
     header: &'a Header,
     classes: &'a [Class],
     objects: &'a [Object],
-    records: &'a [Record],
+    records: Records<'a>,
     view: ViewParams,
     checksum: u32,
+}
+
+/// The templates in either encoding.
+#[derive(Debug, Clone, Copy)]
+enum Records<'a> {
+    Float(&'a [Record]),
+    Logarithmic(&'a [LogRecord]),
+}
+
+impl<'a> Records<'a> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Float(records) => records.len(),
+            Self::Logarithmic(records) => records.len(),
+        }
+    }
+
+    /// Object, view and numbers of a template.
+    #[inline(always)]
+    fn get(&self, i: usize) -> Option<(U16, U16, Values<'a>)> {
+        match self {
+            Self::Float(records) => records.get(i).map(|r| (r.object, r.view, Values::Float(&r.values))),
+            Self::Logarithmic(records) => records.get(i).map(|r| (r.object, r.view, Values::Logarithmic(&r.values))),
+        }
+    }
 }
 
 impl<'a> Templates<'a> {
@@ -40,13 +66,17 @@ impl<'a> Templates<'a> {
         if header.magic != MAGIC {
             return Err(TemplateError::NotTemplates);
         }
-        if header.version.get() != VERSION {
-            return Err(TemplateError::Version(header.version.get()));
+        let version = header.version.get();
+        if !(1..=VERSION).contains(&version) {
+            return Err(TemplateError::Version(version));
         }
+        let encoding = Encoding::from_number(header.encoding)
+            .filter(|encoding| encoding.version() <= version)
+            .ok_or(TemplateError::Field("encoding"))?;
         let (classes, objects, records) =
             (usize::from(header.classes), usize::from(header.objects), header.templates.get() as usize);
-        let expected =
-            layout::file_size(classes, objects, records).ok_or(TemplateError::Field("number of templates"))?;
+        let expected = layout::file_size(encoding, classes, objects, records)
+            .ok_or(TemplateError::Field("number of templates"))?;
         if bytes.len() < expected {
             return Err(cut(expected));
         }
@@ -59,7 +89,14 @@ impl<'a> Templates<'a> {
         }
         let (classes, rest) = <[Class]>::ref_from_prefix_with_elems(body, classes).map_err(|_| cut(expected))?;
         let (objects, rest) = <[Object]>::ref_from_prefix_with_elems(rest, objects).map_err(|_| cut(expected))?;
-        let records = <[Record]>::ref_from_bytes_with_elems(rest, records).map_err(|_| cut(expected))?;
+        let records = match encoding {
+            Encoding::Float => {
+                Records::Float(<[Record]>::ref_from_bytes_with_elems(rest, records).map_err(|_| cut(expected))?)
+            }
+            Encoding::Logarithmic => Records::Logarithmic(
+                <[LogRecord]>::ref_from_bytes_with_elems(rest, records).map_err(|_| cut(expected))?,
+            ),
+        };
         let view = view_params(header)?;
         let set = Self { header, classes, objects, records, view, checksum: stored };
         set.check()?;
@@ -81,11 +118,16 @@ impl<'a> Templates<'a> {
                 return Err(TemplateError::Field("object name"));
             }
         }
-        for record in self.records {
-            if usize::from(record.object) >= self.objects.len() {
+        for template in self.iter() {
+            if usize::from(template.object) >= self.objects.len() {
                 return Err(TemplateError::Field("object of a template"));
             }
-            if record.values.iter().any(|v| !v.get().is_finite()) {
+            let legal = match template.values {
+                Values::Float(values) => values.iter().all(|v| v.get().is_finite()),
+                // No code: 0 has no sign.
+                Values::Logarithmic(values) => values.iter().all(|v| v.get() != descriptor::fixed::SIGN),
+            };
+            if !legal {
                 return Err(TemplateError::Field("descriptor"));
             }
         }
@@ -95,13 +137,34 @@ impl<'a> Templates<'a> {
         Ok(())
     }
 
-    /// Checks that the templates were made with a pipeline's view parameters: otherwise distances mean nothing.
+    /// Checks that the templates were made with a pipeline's view parameters, otherwise distances mean nothing, and that
+    /// they are written as its search reads them.
     ///
     /// # Errors
-    /// `Parameters` with both hashes.
-    pub fn require(&self, view: &ViewParams) -> Result<(), TemplateError> {
+    /// `Parameters` with both hashes; `Encoding` with both encodings.
+    pub fn require(&self, view: &ViewParams, encoding: Encoding) -> Result<(), TemplateError> {
         let (file, pipeline) = (self.view.hash(), view.hash());
-        if file == pipeline { Ok(()) } else { Err(TemplateError::Parameters { file, pipeline }) }
+        if file != pipeline {
+            return Err(TemplateError::Parameters { file, pipeline });
+        }
+        self.require_encoding(encoding)
+    }
+
+    /// Checks that the descriptors are floats or codes, as a search needs them.
+    ///
+    /// # Errors
+    /// `Encoding` with both encodings.
+    pub fn require_encoding(&self, needed: Encoding) -> Result<(), TemplateError> {
+        let file = self.encoding();
+        if file == needed { Ok(()) } else { Err(TemplateError::Encoding { file, needed }) }
+    }
+
+    /// How the descriptors are written.
+    pub fn encoding(&self) -> Encoding {
+        match self.records {
+            Records::Float(_) => Encoding::Float,
+            Records::Logarithmic(_) => Encoding::Logarithmic,
+        }
     }
 
     /// The parameters that the descriptors were made with.
@@ -126,7 +189,7 @@ impl<'a> Templates<'a> {
 
     /// Whether there is no template at all.
     pub fn is_empty(&self) -> bool {
-        self.records.is_empty()
+        self.records.len() == 0
     }
 
     /// The names of the classes, in the order of their indices.
@@ -150,11 +213,13 @@ impl<'a> Templates<'a> {
     }
 
     /// The templates in file order.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = Template<'a>> + use<'a> {
-        let objects = self.objects;
-        self.records.iter().map(move |record| Template {
-            record,
-            class: objects.get(usize::from(record.object)).map_or(u16::MAX, |o| o.class.get()),
+    #[inline(always)]
+    pub fn iter(&self) -> impl Iterator<Item = Template<'a>> + use<'a> {
+        let Self { objects, records, .. } = *self;
+        (0..records.len()).filter_map(move |i| {
+            let (object, view, values) = records.get(i)?;
+            let class = objects.get(usize::from(object)).map_or(u16::MAX, |o| o.class.get());
+            Some(Template { class, object: object.get(), view: view.get(), values })
         })
     }
 }
@@ -176,8 +241,17 @@ fn view_params(header: &Header) -> Result<ViewParams, TemplateError> {
 /// One template: a view of an object.
 #[derive(Debug, Clone, Copy)]
 pub struct Template<'a> {
-    record: &'a Record,
     class: u16,
+    object: u16,
+    view: u16,
+    pub(crate) values: Values<'a>,
+}
+
+/// A descriptor as it stands in a file.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Values<'a> {
+    Float(&'a [F32; LENGTH]),
+    Logarithmic(&'a [U16; LENGTH]),
 }
 
 impl Template<'_> {
@@ -188,25 +262,27 @@ impl Template<'_> {
 
     /// Index of its object.
     pub fn object(&self) -> u16 {
-        self.record.object.get()
+        self.object
     }
 
     /// Number of the view, as the set's maker counted them.
     pub fn view(&self) -> u16 {
-        self.record.view.get()
+        self.view
     }
 
-    /// The 58 numbers.
+    /// The 58 numbers; codes are decoded.
     pub fn descriptor(&self) -> Descriptor {
-        core::array::from_fn(|i| self.record.values[i].get())
+        match self.values {
+            Values::Float(values) => values.map(F32::get),
+            Values::Logarithmic(values) => values.map(|v| descriptor::fixed::decode(v.get())),
+        }
     }
 
-    /// Canberra distance to a descriptor.
-    #[inline(always)]
-    pub fn distance(&self, descriptor: &Descriptor) -> f32 {
-        canberra_with(descriptor, |i| self.record.values[i].get())
+    /// The 58 codes; floats are encoded.
+    pub fn codes(&self) -> descriptor::fixed::Descriptor {
+        match self.values {
+            Values::Float(values) => values.map(|v| descriptor::fixed::encode(v.get())),
+            Values::Logarithmic(values) => values.map(U16::get),
+        }
     }
 }
-
-#[cfg(test)]
-mod tests;

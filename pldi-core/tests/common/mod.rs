@@ -1,6 +1,8 @@
 //! What several tests look at: rooms whose depth and colour are computed ray by ray, and a small random generator.
 #![allow(dead_code, reason = "not every test needs all of it")]
 
+pub mod pldt;
+
 use pldi_core::Intrinsics;
 
 /// SplitMix64: the same numbers on every machine.

@@ -1,7 +1,8 @@
 //! How well a template set tells its own classes apart: each view is a query against the views of all other objects
 //! (paper, section 6, ModelNet10).
 
-use pldi_core::templates::{Template, Templates};
+use pldi_core::matching::{canberra, fixed};
+use pldi_core::templates::{Encoding, Templates};
 
 use crate::parallel;
 
@@ -69,28 +70,41 @@ impl std::fmt::Display for Confusion {
 /// Takes every template as a query against the templates of all other objects. Templates of one object stand together, as
 /// the writer puts them.
 pub fn leave_one_object_out(set: &Templates<'_>, threads: usize) -> Confusion {
-    let all: Vec<Template<'_>> = set.iter().collect();
+    match set.encoding() {
+        Encoding::Float => {
+            let all: Vec<_> = set.iter().map(|t| t.descriptor()).collect();
+            ask(set, threads, |a, b| canberra(&all[a], &all[b]))
+        }
+        Encoding::Logarithmic => {
+            let all: Vec<_> = set.iter().map(|t| t.codes()).collect();
+            ask(set, threads, |a, b| fixed::canberra(&all[a], &all[b]))
+        }
+    }
+}
+
+/// The queries, by any distance between the templates of two indices.
+fn ask<D: PartialOrd>(set: &Templates<'_>, threads: usize, distance: impl Fn(usize, usize) -> D + Sync) -> Confusion {
+    let all: Vec<(u16, u16)> = set.iter().map(|t| (t.class(), t.object())).collect();
     let mut confusion = Confusion::new(set.classes().map(str::to_owned).collect());
     let answers = parallel::map_ordered(
         all.len(),
         threads,
         || (),
         |(), i| {
-            let query = all[i].descriptor();
-            let mut best = (f32::INFINITY, None);
-            for other in all.iter().filter(|t| t.object() != all[i].object()) {
-                let distance = other.distance(&query);
-                if distance < best.0 {
-                    best = (distance, Some(other.class()));
+            let mut best: Option<(D, u16)> = None;
+            for (j, (class, _)) in all.iter().enumerate().filter(|(_, (_, object))| *object != all[i].1) {
+                let distance = distance(i, j);
+                if best.as_ref().is_none_or(|(least, _)| distance < *least) {
+                    best = Some((distance, *class));
                 }
             }
-            Ok::<_, std::convert::Infallible>(best.1)
+            Ok::<_, std::convert::Infallible>(best.map(|(_, class)| class))
         },
     );
     let Ok(answers) = answers;
-    for (query, answer) in all.iter().zip(answers) {
+    for ((class, _), answer) in all.iter().zip(answers) {
         if let Some(answer) = answer {
-            confusion.counts[usize::from(query.class())][usize::from(answer)] += 1;
+            confusion.counts[usize::from(*class)][usize::from(answer)] += 1;
         }
     }
     confusion

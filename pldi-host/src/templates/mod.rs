@@ -2,10 +2,12 @@
 
 pub mod build;
 pub mod evaluate;
+pub mod fixed;
 pub mod write;
 
 pub use build::{Builder, Look, ObjectMesh};
 pub use evaluate::{Confusion, leave_one_object_out};
+pub use fixed::fixed_file;
 pub use write::{TemplateSet, View};
 
 /// The set that is built into the library: the procedural furniture, through the sensor's simulation, at default

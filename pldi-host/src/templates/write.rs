@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pldi_core::templates::layout::{self, Class, Header, Object, Record, padded};
-use pldi_core::templates::{MAGIC, VERSION};
+use pldi_core::templates::{Encoding, MAGIC};
 use pldi_core::view::ViewParams;
 use zerocopy::IntoBytes;
 
@@ -42,7 +42,7 @@ pub struct TemplateSet {
 }
 
 impl TemplateSet {
-    /// The bytes of the file.
+    /// The bytes of the file, a file of floats; [`fixed_file`](super::fixed_file) makes one of codes of it.
     ///
     /// # Errors
     /// `Usage` where there are more classes, objects or views than the format holds.
@@ -56,8 +56,9 @@ impl TemplateSet {
         let (framing, side) = self.view.framing_fields();
         let header = Header {
             magic: MAGIC,
-            version: VERSION.into(),
-            reserved: 0.into(),
+            version: Encoding::Float.version().into(),
+            encoding: Encoding::Float as u8,
+            reserved: 0,
             parameters: self.view.hash().into(),
             checksum: 0.into(),
             classes: (self.classes.len() as u16).into(),
@@ -84,8 +85,7 @@ impl TemplateSet {
             let record = Record { object: v.object.into(), view: v.view.into(), values: v.descriptor.map(Into::into) };
             bytes.extend_from_slice(record.as_bytes());
         }
-        let checksum = layout::checksum(&bytes).to_le_bytes();
-        bytes[12..16].copy_from_slice(&checksum);
+        layout::seal(&mut bytes);
         Ok(bytes)
     }
 

@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
-use pldi_core::templates::Templates;
+use pldi_core::templates::{Encoding, Templates};
 use pldi_host::Error;
 use pldi_host::input::{FrameSource, Recording};
 use pldi_host::output::atomic;
@@ -44,7 +44,7 @@ impl Run {
         let bytes = templates::read(file)?;
         let set = templates::parse(file, &bytes)?;
         let params = self.processing.params(*set.view_params());
-        set.require(&params.view).map_err(|cause| {
+        set.require(&params.view, Encoding::Float).map_err(|cause| {
             let name = file.map_or("the embedded templates".to_owned(), |f| f.display().to_string());
             Error::Usage(format!("{name}: {cause}"))
         })?;

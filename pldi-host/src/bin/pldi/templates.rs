@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use pldi_core::templates::Encoding;
 use pldi_core::view::ViewParams;
 use pldi_fixtures::{Class, Mesh, TEMPLATE_SEEDS, furniture};
 use pldi_host::Error;
 use pldi_host::mesh::{Size, TriangleMesh, Unit, Up};
+use pldi_host::output::atomic;
 use pldi_host::parallel;
-use pldi_host::templates::{Builder, EMBEDDED, Look, ObjectMesh, leave_one_object_out};
+use pldi_host::templates::{Builder, EMBEDDED, Look, ObjectMesh, fixed_file, leave_one_object_out};
 
 use crate::args::{Threads, ViewArgs};
 use crate::print;
@@ -23,6 +25,14 @@ pub enum Templates {
     Info {
         /// The file [default: the embedded set]
         file: Option<PathBuf>,
+    },
+    /// Make a file for the fixed-point pipeline (16-bit logarithms) of a file of floats
+    Convert {
+        /// The file of floats
+        file: PathBuf,
+        /// The file to write
+        #[arg(short, long, value_name = "FILE")]
+        output: PathBuf,
     },
     /// Try each view against all views of the other objects: confusion matrix, precision and recall
     Evaluate {
@@ -81,6 +91,9 @@ pub struct Build {
     /// Keep the distance for objects too large to be seen whole from there
     #[arg(long)]
     exact_distance: bool,
+    /// Write 16-bit logarithms, for the fixed-point pipeline, in place of floats
+    #[arg(long)]
+    fixed: bool,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
@@ -93,6 +106,7 @@ impl Templates {
         match self {
             Self::Build(build) => build.run(),
             Self::Info { file } => info(file.as_deref()),
+            Self::Convert { file, output } => convert(file, output),
             Self::Evaluate { file, threads } => {
                 let bytes = read(file.as_deref())?;
                 let set = parse(file.as_deref(), &bytes)?;
@@ -133,16 +147,26 @@ fn info(file: Option<&Path>) -> anyhow::Result<()> {
         view.radius
     ))?;
     print::line(format_args!(
-        "{} templates of {} objects in {} classes",
+        "{} templates of {} objects in {} classes, {}",
         set.len(),
         set.objects().len(),
-        set.classes().len()
+        set.classes().len(),
+        set.encoding().name()
     ))?;
     for (i, class) in set.classes().enumerate() {
         let objects = set.objects().filter(|(c, _)| usize::from(*c) == i).count();
         let views = set.iter().filter(|t| usize::from(t.class()) == i).count();
         print::line(format_args!("{class:20} {objects:5} objects {views:7} views"))?;
     }
+    Ok(())
+}
+
+fn convert(file: &Path, output: &Path) -> anyhow::Result<()> {
+    let bytes = read(Some(file))?;
+    let set = parse(Some(file), &bytes)?;
+    set.require_encoding(Encoding::Float).map_err(|cause| Error::Templates { path: file.to_owned(), cause })?;
+    atomic::write_bytes(output, &fixed_file(&bytes)?)?;
+    eprintln!("{}: {} templates as {}", output.display(), set.len(), Encoding::Logarithmic.name());
     Ok(())
 }
 
@@ -166,7 +190,11 @@ impl Build {
             !crate::progress::interrupted()
         })?;
         bar.finish_and_clear();
-        set.write(&self.output)?;
+        if self.fixed {
+            atomic::write_bytes(&self.output, &fixed_file(&set.to_bytes()?)?)?;
+        } else {
+            set.write(&self.output)?;
+        }
         let (views, objects, classes) = (set.views.len(), set.objects.len(), set.classes.len());
         eprintln!("{}: {views} templates of {objects} objects in {classes} classes", self.output.display());
         Ok(())

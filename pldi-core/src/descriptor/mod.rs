@@ -1,5 +1,7 @@
 //! The 58 numbers of a view (paper, section 5): statistics of its normalised wavelet coefficients.
 
+pub mod fixed;
+
 use crate::math;
 use crate::wavelet::{self, LEVELS, Plane, SIZE};
 

@@ -6,6 +6,8 @@
 //! diagonally. The phase is that of PyWavelets' `periodization` mode with "db4": output o weighs inputs 2o-3..=2o+4.
 //! The transform is orthonormal; equation 4's factor 1/2B would only scale all coefficients alike.
 
+pub mod fixed;
+
 /// Side of a view in pixels, 2B in the paper.
 pub const SIZE: usize = 128;
 

@@ -1,0 +1,213 @@
+//! The nearest neighbours in fixed point: distances and scores in Q16.
+//!
+//! |a - b| / (|a| + |b|) of two numbers with the same sign is tanh(|ln a - ln b| / 2): between the logarithms that
+//! [`fixed::Descriptor`](crate::descriptor::fixed::Descriptor) holds it is a subtraction and a table.
+
+use super::{Hypothesis, MAX_HYPOTHESES, Measure, search};
+use crate::TemplateError;
+use crate::descriptor::LENGTH;
+use crate::descriptor::fixed::{Descriptor, SIGN};
+use crate::fixed::exp_neg;
+use crate::templates::{Encoding, Templates, Values};
+use heapless::Vec;
+
+/// 1 in Q16.
+const ONE: u32 = 1 << 16;
+
+/// Terms after which a sum is compared with the limit.
+const STRIDE: usize = 16;
+
+/// Differences up to here (two octaves) have an entry each.
+const FINE: u16 = 2 << 10;
+
+/// From [`FINE`] to here (eight octaves) one entry stands for 4 differences; beyond, for 128.
+const COARSE: u16 = 8 << 10;
+
+/// What places the coarser parts of the table behind the finer ones.
+const FINE_OFFSET: u16 = FINE - (FINE >> 2);
+const COARSE_OFFSET: u16 = FINE_OFFSET + (COARSE >> 2) - (COARSE >> 7);
+
+/// The largest difference: also that of numbers with different signs, and to 0.
+const APART: u16 = i16::MAX as u16;
+
+const ENTRIES: usize = (COARSE_OFFSET + (APART >> 7) + 1) as usize;
+
+/// tanh(ln 2 / 2 * d / 1024) in Q15, for the middle of the differences d of each entry.
+static TERMS: [u16; ENTRIES] = {
+    let mut table = [0; ENTRIES];
+    let mut i = 0;
+    while i < ENTRIES {
+        // In half units of the codes.
+        let twice = if i < FINE as usize {
+            2 * i
+        } else if i < (FINE_OFFSET + (COARSE >> 2)) as usize {
+            8 * (i - FINE_OFFSET as usize) + 3
+        } else {
+            256 * (i - COARSE_OFFSET as usize) + 127
+        };
+        table[i] = tanh(twice as u64);
+        i += 1;
+    }
+    table
+};
+
+/// tanh(ln 2 / 2 * d / 2048) in Q15, rounded to nearest: (1 - e) / (1 + e), where e = 2^-(d / 2048).
+const fn tanh(d: u64) -> u16 {
+    // ln 2 in Q30, times d in Q11, gives Q41.
+    const LN_2: u64 = 744_261_118;
+    let e = if d == 0 { 1 << 32 } else { exp_neg(((d * LN_2) >> 17) as u32) as u64 };
+    let (one, sum) = (1u64 << 32, (1u64 << 32) + e);
+    ((((one - e) << 15) + sum / 2) / sum) as u16
+}
+
+/// The index of a difference: concave pieces, so that the least of them is the right one.
+#[inline(always)]
+const fn index(d: u16) -> u16 {
+    let (a, b) = (FINE_OFFSET + (d >> 2), COARSE_OFFSET + (d >> 7));
+    let least = if a < b { a } else { b };
+    if d < least { d } else { least }
+}
+
+/// The Canberra distance in Q16, 0..=58 << 16: the sum of |a - b| / (|a| + |b|), where a term with both zero is 0.
+///
+/// A term is at most 30 units off (0.00046) that of the decoded numbers, in the mean 2.
+pub fn canberra(a: &Descriptor, b: &Descriptor) -> u32 {
+    canberra_below(a, |i| b[i], u32::MAX).unwrap_or(0)
+}
+
+/// The distance to a descriptor that is read number by number (from flash, in its byte order); `None` as soon as it is
+/// certain not to lie below `limit`.
+#[inline(always)]
+fn canberra_below(a: &Descriptor, b: impl Fn(usize) -> u16 + Copy, limit: u32) -> Option<u32> {
+    let mut sum = 0;
+    for from in (0..LENGTH).step_by(STRIDE) {
+        let width = STRIDE.min(LENGTH - from);
+        let mut at = [0; STRIDE];
+        for (i, at) in at.iter_mut().enumerate().take(width) {
+            let (a, b) = (a[from + i], b(from + i));
+            // All ones where the numbers have different signs, or one of them is 0.
+            let apart = ((a ^ b) as i16 >> 15) as u16 | if (a == 0) == (b == 0) { 0 } else { u16::MAX };
+            *at = index((a & !SIGN).abs_diff(b & !SIGN) | (apart & APART));
+        }
+        for at in at.iter().take(width) {
+            sum += u32::from(TERMS[usize::from(*at)]);
+        }
+        // Q15: at most 58 << 15.
+        if sum << 1 >= limit {
+            return None;
+        }
+    }
+    Some(sum << 1)
+}
+
+impl Measure for u32 {
+    const FAR: Self = Self::MAX;
+
+    /// Q16, rounded to nearest.
+    fn margin(distance: Self, other: Self) -> Self {
+        if other == Self::FAR {
+            return ONE;
+        }
+        // Distances are below 2^22.
+        let (sum, other) = (distance.saturating_add(other), u64::from(other));
+        if sum == 0 { ONE / 2 } else { (((other << 16) + u64::from(sum / 2)) / u64::from(sum)) as Self }
+    }
+}
+
+/// The nearest template of each of the best classes, best first, at most [`MAX_HYPOTHESES`]; empty for an empty set.
+/// Of equally near templates the first in the file counts. Distances and scores in Q16.
+///
+/// # Errors
+/// `Encoding` where the set's numbers are no codes.
+pub fn nearest(
+    templates: &Templates<'_>,
+    descriptor: &Descriptor,
+) -> Result<Vec<Hypothesis<u32>, MAX_HYPOTHESES>, TemplateError> {
+    templates.require_encoding(Encoding::Logarithmic)?;
+    Ok(search(templates, |template, limit| match template.values {
+        Values::Logarithmic(values) => canberra_below(descriptor, |i| values[i].get(), limit),
+        Values::Float(_) => None,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::descriptor::fixed::decode;
+    use proptest::prelude::*;
+
+    /// The term of two codes, in units of 2^-16, exactly.
+    fn exact(a: u16, b: u16) -> f64 {
+        let value = |code: u16| {
+            let magnitude = libm::exp2(f64::from(code & !SIGN) / 1024.0 - 26.0);
+            if code == 0 {
+                0.0
+            } else if code & SIGN == 0 {
+                magnitude
+            } else {
+                -magnitude
+            }
+        };
+        let (a, b) = (value(a), value(b));
+        if a == b { 0.0 } else { (a - b).abs() / (a.abs() + b.abs()) * 65_536.0 }
+    }
+
+    fn term(a: u16, b: u16) -> u32 {
+        let with = |code| core::array::from_fn(|i| if i == 17 { code } else { 0 });
+        canberra(&with(a), &with(b))
+    }
+
+    #[test]
+    fn every_difference_has_the_right_term() {
+        let (mut worst, mut sum) = (0.0f64, 0.0);
+        for d in 0..=32_766u16 {
+            let error = (f64::from(term(1, 1 + d)) - exact(1, 1 + d)).abs();
+            worst = worst.max(error);
+            sum += error;
+            if d < FINE {
+                assert!(error <= 1.1, "{d}: {error}");
+            }
+        }
+        assert!(worst <= 30.0, "{worst}");
+        assert!(sum / 32_767.0 <= 2.0, "{}", sum / 32_767.0);
+    }
+
+    #[test]
+    fn signs_and_zeros() {
+        assert_eq!([term(0, 0), term(0, 1), term(32_767, 0), term(SIGN | 5, 0)], [0, ONE, ONE, ONE]);
+        assert_eq!([term(SIGN | 5, 5), term(1, u16::MAX), term(u16::MAX, u16::MAX)], [ONE, ONE, 0]);
+        assert_eq!(canberra(&[7; LENGTH], &[SIGN | 7; LENGTH]), 58 * ONE);
+        // 1 and 3: 0.5.
+        let (one, three) = (crate::descriptor::fixed::encode(1.0), crate::descriptor::fixed::encode(3.0));
+        assert!(canberra(&[one; LENGTH], &[three; LENGTH]).abs_diff(29 * ONE) < 58 * 12);
+    }
+
+    #[test]
+    fn margins() {
+        let margin = <u32 as Measure>::margin;
+        assert_eq!(
+            [margin(1, 3), margin(3, 1), margin(0, 0), margin(2, u32::MAX), margin(0, 58 * ONE)],
+            [ONE / 4 * 3, ONE / 4, ONE / 2, ONE, ONE]
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn the_distance_is_symmetric_and_near_the_exact_one(
+            a in proptest::collection::vec(any::<u16>(), LENGTH), b in proptest::collection::vec(any::<u16>(), LENGTH),
+            limit in 0u32..58 << 16,
+        ) {
+            let [a, b]: [Descriptor; 2] =
+                [a, b].map(|codes| core::array::from_fn(|i| if codes[i] == SIGN { 0 } else { codes[i] }));
+            let d = canberra(&a, &b);
+            prop_assert_eq!(d, canberra(&b, &a));
+            prop_assert!(d <= 58 << 16);
+            prop_assert_eq!(canberra(&a, &a), 0);
+            let truth: f64 = a.iter().zip(b).map(|(a, b)| exact(*a, b)).sum();
+            prop_assert!((f64::from(d) - truth).abs() <= 58.0 * 30.0);
+            let float = crate::matching::canberra(&a.map(decode), &b.map(decode));
+            prop_assert!((f64::from(d) / 65_536.0 - f64::from(float)).abs() <= 58.0 * 0.00046);
+            prop_assert_eq!(canberra_below(&a, |i| b[i], limit), (d < limit).then_some(d));
+        }
+    }
+}
