@@ -127,7 +127,7 @@ impl<'a> Band<'a> {
             }
             DescriptorKind::Paper => {
                 // Equal coefficients have no skewness; their rounding errors have.
-                let real = squares > (u64::from(mean) * u64::from(mean) >> 40) << (2 * self.level);
+                let real = squares > ((u64::from(mean) * u64::from(mean)) >> 40) << (2 * self.level);
                 let skewness = variance.filter(|_| real).map_or(0, |variance| self.skewness(scale, mean, variance));
                 [code(sums.upper + sums.lower, count), deviation, skewness]
             }
@@ -152,7 +152,7 @@ impl<'a> Band<'a> {
         // sum (a - m)^2 = sum a^2 - m (2 sum a - n m), where m (..) may pass 2^64 on the way, but the result does not.
         let about = squares.wrapping_sub(mean.wrapping_mul((2 * sum).wrapping_sub(mean << bits)));
         let off = sum.abs_diff(mean << bits);
-        (about.saturating_sub(off * off >> bits), mean as u32)
+        (about.saturating_sub((off * off) >> bits), mean as u32)
     }
 
     /// The code of m3 / sd^3, where the logarithm of the variance (Q16) is that of the scaled coefficients.

@@ -84,7 +84,7 @@ impl Bench {
         let numbers = descriptor::describe(&view, kind, &mut plane);
         time("nearest templates", &mut || {
             for _ in &candidates {
-                std::hint::black_box(matching::nearest(&set, &numbers));
+                let _ = std::hint::black_box(matching::nearest(&set, &numbers));
             }
         });
         time("whole frame", &mut || failure = pipeline.run(&input, &set, &mut ws).err());
