@@ -7,14 +7,14 @@ use crate::{Error, Image, Rays, math};
 use heapless::Vec;
 
 /// Points that the search looks at, at most: a regular grid over the image.
-const MAX_POINTS: usize = 2200;
+pub(super) const MAX_POINTS: usize = 2200;
 
 /// Hypotheses that are refined at the end.
-const FINALISTS: usize = 3;
+pub(super) const FINALISTS: usize = 3;
 
 /// Rounds of refinement by least squares over the points within so many tolerances of the plane: from wide to narrow,
 /// because a sampled plane is tilted by its points' noise, and in the end the feet of walls should not tilt it.
-const REACHES: [f32; 4] = [2.0, 1.0, 0.6, 0.6];
+pub(super) const REACHES: [f32; 4] = [2.0, 1.0, 0.6, 0.6];
 
 /// Parameters of the floor's search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,7 +98,7 @@ pub fn find<const W: usize, const H: usize>(
     params: &RansacParams,
 ) -> Option<Floor> {
     let mut points: Vec<[f32; 3], MAX_POINTS> = Vec::new();
-    let step = (1..).find(|s| W.div_ceil(*s) * H.div_ceil(*s) <= MAX_POINTS)?;
+    let step = grid_step(W, H);
     for v in (step / 2..H).step_by(step) {
         for u in (step / 2..W).step_by(step) {
             let z = depth[v][u];
@@ -107,7 +107,7 @@ pub fn find<const W: usize, const H: usize>(
             }
         }
     }
-    let mut random = Random(params.seed.wrapping_mul(0x9E37_79B9) | 1);
+    let mut random = Random::new(params.seed);
     let mut finalists: [(i32, Option<Floor>); FINALISTS] = [(0, None); FINALISTS];
     for _ in 0..params.samples {
         let Some(floor) = sample(&points, &mut random, W.div_ceil(step)) else { continue };
@@ -140,15 +140,27 @@ pub fn find<const W: usize, const H: usize>(
     if (if steep { 5 * score } else { score }) as f32 >= enough { floor } else { None }
 }
 
-/// A plane through three points that stand near each other in the grid (near points often share a surface, points
-/// from anywhere seldom do).
-fn sample(points: &[[f32; 3]], random: &mut Random, per_row: usize) -> Option<Floor> {
+/// The step of the regular grid over the image that has at most [`MAX_POINTS`] points.
+pub(super) fn grid_step(width: usize, height: usize) -> usize {
+    (1..width.max(height))
+        .find(|s| width.div_ceil(*s) * height.div_ceil(*s) <= MAX_POINTS)
+        .unwrap_or(width.max(height).max(1))
+}
+
+/// Three points that stand near each other in the grid, by their indices (near points often share a surface, points from
+/// anywhere seldom do); `None` where there are none.
+pub(super) fn triple(random: &mut Random, points: usize, per_row: usize) -> Option<[usize; 3]> {
     let window = 12 * per_row.max(1);
-    let first = random.below(points.len())?;
+    let first = random.below(points)?;
     let start = first.saturating_sub(window / 2);
-    let length = window.min(points.len() - start);
-    let [a, b, c] =
-        [points.get(first)?, points.get(start + random.below(length)?)?, points.get(start + random.below(length)?)?];
+    let length = window.min(points - start);
+    Some([first, start + random.below(length)?, start + random.below(length)?])
+}
+
+/// A plane through three points that stand near each other.
+fn sample(points: &[[f32; 3]], random: &mut Random, per_row: usize) -> Option<Floor> {
+    let [a, b, c] = triple(random, points.len(), per_row)?.map(|i| points.get(i));
+    let (a, b, c) = (a?, b?, c?);
     let side = |p: &[f32; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
     let normal = cross(side(b), side(c));
     let length2 = dot(normal, normal);
@@ -212,11 +224,15 @@ fn refine(points: &[[f32; 3]], mut floor: Floor, params: &RansacParams) -> Floor
 }
 
 /// Marsaglia's xorshift with 32 bits of state.
-struct Random(u32);
+pub(super) struct Random(u32);
 
 impl Random {
+    pub(super) fn new(seed: u32) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9) | 1)
+    }
+
     /// A number below `n`; `None` where there is none.
-    fn below(&mut self, n: usize) -> Option<usize> {
+    pub(super) fn below(&mut self, n: usize) -> Option<usize> {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 17;
         self.0 ^= self.0 << 5;

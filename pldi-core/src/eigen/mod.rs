@@ -4,6 +4,8 @@
 //! The smallest root of the characteristic polynomial of a positive semi-definite matrix is reached from 0 by
 //! Newton's method from below, without overshooting; the eigenvector is then orthogonal to the rows of C - lambda I.
 
+pub mod fixed;
+
 use crate::math;
 
 /// Newton steps at most. A separated root needs four or five; a double root halves its error each step, and
