@@ -196,14 +196,23 @@ pub(crate) const fn mul_high(x: i32, y: i32) -> i32 {
     ((x as i64 * y as i64) >> 32) as i32
 }
 
-/// The i of 0..count for which a + b i is not negative, as first and behind the last. `a + b` must not overflow.
+/// The i of 0..count for which a + b i is not negative, as first and behind the last.
+///
+/// Exact for numbers below 2^31; larger ones are cut to 31 bits alike, which moves an end by at most one, and only where
+/// a + b i is next to nothing: below count * 2^-30 of the larger of a and b.
 pub(crate) fn where_not_negative(a: i64, b: i64, count: usize) -> (usize, usize) {
-    let least = |i: u64| usize::try_from(i).map_or(count, |i| i.min(count));
-    match (a >= 0, b.unsigned_abs()) {
-        (true, _) if b >= 0 => (0, count),
-        (true, b) => (0, least(a.unsigned_abs() / b.max(1) + 1)),
-        (false, slope) if b > 0 => (least(a.unsigned_abs().div_ceil(slope)), count),
-        (false, _) => (count, count),
+    let bits = 64 - (a.unsigned_abs() | b.unsigned_abs()).leading_zeros();
+    let shift = bits.saturating_sub(31);
+    // -2^31 at least.
+    let (a, b) = ((a >> shift) as i32, (b >> shift) as i32);
+    let (size, slope) = (a.unsigned_abs(), b.unsigned_abs());
+    let least = |i: u32| if (i as usize) < count { i as usize } else { count };
+    if a >= 0 {
+        if b >= 0 { (0, count) } else { (0, least(size / slope + 1)) }
+    } else if b > 0 {
+        (least(size.div_ceil(slope)), count)
+    } else {
+        (count, count)
     }
 }
 
@@ -248,6 +257,18 @@ mod tests {
             let (first, end) = where_not_negative(a, b, 50);
             for i in 0..50usize {
                 prop_assert_eq!(a + b * i as i64 >= 0, (first..end).contains(&i), "{}", i);
+            }
+        }
+
+        #[test]
+        fn spans_of_large_numbers(a in any::<i64>(), root in 0i64..60, shift in 0u32..40) {
+            let a = a >> shift;
+            let b = -a / (2 * root + 1) * 2;
+            let (first, end) = where_not_negative(a, b, 50);
+            for i in 0..50usize {
+                let value = i128::from(a) + i128::from(b) * i as i128;
+                let clear = value.abs() > i128::from(a.unsigned_abs().max(b.unsigned_abs())) * 50 / (1 << 30);
+                prop_assert!(!clear || (value >= 0) == (first..end).contains(&i), "{}", i);
             }
         }
 

@@ -130,8 +130,8 @@ impl Run {
     }
 
     /// Adds the run to its cluster; it ends before column `end` of row `v`.
-    #[inline]
-    fn close(&self, v: usize, end: usize, clusters: &mut [Cluster]) {
+    #[inline(never)]
+    fn close(self, v: usize, end: usize, clusters: &mut [Cluster]) {
         let Some(cluster) = usize::from(self.label).checked_sub(1).and_then(|i| clusters.get_mut(i)) else { return };
         cluster.pixels += (end - self.first) as u32;
         let [u0, v0, u1, v1] = cluster.bbox;

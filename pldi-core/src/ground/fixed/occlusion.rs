@@ -19,24 +19,23 @@ pub fn occluded_points(
     hidden: u32,
 ) -> usize {
     let Some(own) = clusters.get(index) else { return 0 };
-    // Q16 of 1/128 mm, times a distance in cells below 2^8: heights below 2^27 make less than 2^51.
+    // Times distances in cells (below 2^8) in Q8, heights below 2^31 stay below 2^48.
     let (sensor, own) = (i64::from(sensor), (i64::from(own.top) * i64::from(hidden)) >> 16);
     contour
         .of(points)
         .iter()
         .filter(|point| {
             let [x, y] = half_cells(point.column, point.row);
-            // In half cells, Q16: below 2^25.
-            let distance = ((((x * x + y * y) as u64) << 32).isqrt()) as u32;
+            // In half cells, Q7: squares below 2^17.9, so 14 bits more fit.
+            let distance = (((x * x + y * y) as u32) << 14).isqrt();
             let (mantissa, shift) = reciprocal(distance);
             // One step per cell, along the ray from the sensor to just before the cell itself: in cells, Q20. The distance is
-            // at least 1, so the shift is at least 47.
-            let along = |v: i32| ((i64::from(v) * i64::from(mantissa)) >> (shift - 36)) as i32;
+            // at least 1, so the shift is at least 39.
+            let along = |v: i32| ((i64::from(v) * i64::from(mantissa)) >> (shift - 27)) as i32;
             let (dx, dy) = (along(x), along(y));
             let (mut column, mut row) = ((MAP_WIDTH as i32 / 2) << 20, 0);
-            // In whole cells, and in Q16.
-            let steps = i64::from(distance >> 17);
-            let distance = i64::from(distance / 2);
+            // In whole cells; the distance is in cells, Q8.
+            let (steps, distance) = (i64::from(distance >> 8), i64::from(distance));
             (1..steps).any(|i| {
                 column += dx;
                 row += dy;
@@ -51,8 +50,8 @@ pub fn occluded_points(
                 }
                 // The line over the other's top at its distance i, continued to the cell's distance; all times i.
                 let top = i64::from(other.top);
-                let line = ((sensor * i) << 16) - (sensor - top) * distance;
-                top >= sensor || line > (own * i) << 16
+                let line = ((sensor * i) << 8) - (sensor - top) * distance;
+                top >= sensor || line > (own * i) << 8
             })
         })
         .count()

@@ -4,12 +4,10 @@ use super::{Frontal, Homography};
 use crate::Image;
 use crate::fixed::{reciprocal, where_not_negative};
 use crate::wavelet::SIZE;
+use crate::wavelet::fixed::{Plane, SHIFT};
 use core::ops::Range;
 
-/// Bits that N is shifted up by in the plane of the wavelet transform.
-pub const PLANE_BITS: u32 = 7;
-
-/// Fills the plane that the wavelet transform works on with the view, N << 7: row 0 is the square's upper side, column 0
+/// Fills the plane that the wavelet transform works on with the view, N shifted by [`SHIFT`]: row 0 is the square's upper side, column 0
 /// the left one.
 ///
 /// Pixels that do not carry `label` (not 0) count as 0, in the interpolation too: the object stands on black. Positions are
@@ -19,7 +17,7 @@ pub fn warp<const W: usize, const H: usize>(
     labels: &Image<u8, W, H>,
     label: u8,
     frontal: &Frontal,
-    plane: &mut [[i32; SIZE]; SIZE],
+    plane: &mut Plane,
 ) {
     let scan = Scan::new(frontal);
     for (j, row) in plane.iter_mut().enumerate() {
@@ -35,7 +33,7 @@ pub fn warp<const W: usize, const H: usize>(
                 let (mantissa, shift) = reciprocal(w as u32);
                 // Below 2^31 * 2^32; the shift is 41 at least. To Q12.
                 let [u, v] = [u, v].map(|c| (i64::from(c) * i64::from(mantissa)) >> (shift - 12));
-                *out = i32::from(sample(n, labels, label, u, v)) << PLANE_BITS;
+                *out = i32::from(sample(n, labels, label, u, v)) << SHIFT;
             }
             at = core::array::from_fn(|k| at[k].wrapping_add(scan.right[k]));
         }
@@ -197,7 +195,7 @@ mod tests {
             let mut sum = 0.0;
             for (a, b) in expected.as_flattened().iter().zip(plane.as_flattened()) {
                 prop_assert!(*b >= 0 && *b % 128 == 0);
-                let difference = f64::from(*a) - f64::from(*b >> PLANE_BITS);
+                let difference = f64::from(*a) - f64::from(*b >> SHIFT);
                 sum += difference * difference;
             }
             let rms = (sum / (SIZE * SIZE) as f64).sqrt() / 65_535.0;
@@ -214,7 +212,7 @@ mod tests {
             let to_image = Homography([[e[0], e[1], e[2]], [e[3], e[4], e[5]], [e[6], e[7], entries[8]]]);
             let (n, labels, mut plane) = (boxed::<_, W, H>(u16::MAX), boxed(1), boxed(0));
             warp(&n, &labels, 1, &Frontal { to_image, centre, half, bbox }, &mut plane);
-            prop_assert!(plane.as_flattened().iter().all(|v| (0..=65_535 << PLANE_BITS).contains(v)));
+            prop_assert!(plane.as_flattened().iter().all(|v| (0..=65_535 << SHIFT).contains(v)));
         }
     }
 }
