@@ -25,5 +25,5 @@ pub mod pipeline;
 pub use error::{Error, TemplateError};
 pub use floor::{Floor, FloorAxes};
 pub use frame::{DepthRange, Frame, Image, Intrinsics};
-pub use pipeline::{Float, Params, Pipeline, Report, Workspace};
+pub use pipeline::{Fixed, Float, Params, Pipeline, Report, Workspace};
 pub use rays::Rays;

@@ -46,7 +46,7 @@ fn a_file_reads_as_it_was_written() {
             assert_eq!((last.class(), last.object(), last.view()), (1, 2, 1));
             let six = if encoding == Encoding::Float { 6.0 } else { decode(encode(6.0)) };
             assert_eq!((last.descriptor(), last.codes()), ([six; LENGTH], [encode(6.0); LENGTH]));
-            assert_eq!(set.require(&ViewParams::DEFAULT, encoding), Ok(()));
+            assert_eq!(set.require(ViewParams::DEFAULT.hash(), encoding), Ok(()));
         }
     }
     assert_eq!(file(ViewParams::DEFAULT, Encoding::Logarithmic).len(), RECORDS + 6 * 120);
@@ -96,7 +96,7 @@ fn a_search_in_the_other_encoding_is_refused() {
         assert_eq!(set.encoding(), encoding);
         let needed = if encoding == Encoding::Float { Encoding::Logarithmic } else { Encoding::Float };
         let error = TemplateError::Encoding { file: encoding, needed };
-        assert_eq!(set.require(&ViewParams::DEFAULT, needed), Err(error));
+        assert_eq!(set.require(ViewParams::DEFAULT.hash(), needed), Err(error));
         match encoding {
             Encoding::Float => assert_eq!(matching::fixed::nearest(&set, &[0; LENGTH]), Err(error)),
             Encoding::Logarithmic => assert_eq!(matching::nearest(&set, &[0.0; LENGTH]), Err(error)),
@@ -174,7 +174,7 @@ fn other_parameters_are_an_error_with_both_hashes() {
         let set = Templates::parse(&bytes).unwrap();
         assert_eq!(set.view_params(), &metric);
         assert_eq!(
-            set.require(&ViewParams::DEFAULT, encoding),
+            set.require(ViewParams::DEFAULT.hash(), encoding),
             Err(TemplateError::Parameters { file: metric.hash(), pipeline: ViewParams::DEFAULT.hash() })
         );
     }

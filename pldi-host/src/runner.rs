@@ -54,7 +54,7 @@ pub fn run<T: Send, E: From<Error>>(
     sink: impl FnMut(usize, Result<FrameResult<T>, Error>) -> Result<bool, E>,
 ) -> Result<(), E> {
     params.validate().map_err(Error::core)?;
-    templates.require(&params.view, Encoding::Float).map_err(|e| Error::core(e.into()))?;
+    templates.require(params.view.hash(), Encoding::Float).map_err(|e| Error::core(e.into()))?;
     let state = || Worker { pipeline: None, workspace: Box::new(QvgaWorkspace::new()) };
     let work = |worker: &mut Worker, index: usize| {
         let frame = source.frame(index)?;

@@ -2,7 +2,7 @@
 
 use crate::process::{cargo, run as run_command};
 use crate::report::Report;
-use crate::{conformance, golden, nostd};
+use crate::{conformance, golden, nofloat, nostd};
 
 /// `pldi-core`'s features. A test below keeps this list as the manifest has it.
 const CORE_FEATURES: [&str; 3] = ["defmt", "nalgebra", "approx-math"];
@@ -25,6 +25,7 @@ pub(crate) fn run(report: &mut Report) {
     // Tests with defmt cannot link on a host, and approx-math gives up the accuracy that they check.
     step(report, "tests, pldi-core with nalgebra", "test -p pldi-core --locked --no-fail-fast --features nalgebra");
     nostd::run(report);
+    nofloat::run(report);
     golden::run(report, golden::Mode::Check);
     conformance::run(report);
 }

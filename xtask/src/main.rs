@@ -5,7 +5,9 @@
 
 mod ci;
 mod conformance;
+mod elf;
 mod golden;
+mod nofloat;
 mod nostd;
 mod process;
 mod report;
@@ -22,6 +24,7 @@ Usage: cargo xtask TASK
 Tasks:
   ci                everything below, after formatting, lints, documentation and tests: what CI runs
   nostd             pldi-core for microcontrollers, with and without its features
+  nofloat           that the pipeline in integers needs no float routine
   golden            makes the committed golden data anew
   golden --check    makes it elsewhere and compares it byte for byte with what is committed
   conformance       compares the stages of `pldi` with the reference, on real recordings
@@ -40,6 +43,7 @@ fn main() -> ExitCode {
     match arguments[..] {
         ["ci"] => ci::run(&mut report),
         ["nostd"] => nostd::run(&mut report),
+        ["nofloat"] => nofloat::run(&mut report),
         ["golden"] => golden::run(&mut report, golden::Mode::Renew),
         ["golden", "--check"] => golden::run(&mut report, golden::Mode::Check),
         ["conformance"] => conformance::run(&mut report),

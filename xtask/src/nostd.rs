@@ -18,7 +18,7 @@ const DEBIAN_CARGO: &str = "/usr/bin/cargo";
 
 /// How a target can be built here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Toolchain {
+pub(crate) enum Toolchain {
     /// The compiler in use has the target's `core`.
     Installed,
     /// Debian's compiler, which builds `core` itself.
@@ -32,16 +32,14 @@ pub(crate) fn run(report: &mut Report) {
         for (name, options) in FEATURES {
             report.step(format!("no_std build for {target}, {name}"), || match toolchain {
                 Some(toolchain) => run_command(&mut build(toolchain, target, options)),
-                None => Outcome::missing_tool(format!(
-                    "install the target with 'rustup target add {target}', \
-                     or Debian's rustc-web, cargo-web and rust-web-src"
-                )),
+                None => missing(target),
             });
         }
     }
 }
 
-fn toolchain(target: &str) -> Option<Toolchain> {
+/// How a target can be built; `None` where it cannot.
+pub(crate) fn toolchain(target: &str) -> Option<Toolchain> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     if path_printed_by(program(rustc).args(["--print", "target-libdir", "--target", target])) {
         return Some(Toolchain::Installed);
@@ -54,25 +52,36 @@ fn toolchain(target: &str) -> Option<Toolchain> {
     debian.then_some(Toolchain::Debian)
 }
 
+/// The outcome of a step that needs a target which cannot be built here.
+pub(crate) fn missing(target: &str) -> Outcome {
+    Outcome::missing_tool(format!(
+        "install the target with 'rustup target add {target}', or Debian's rustc-web, cargo-web and rust-web-src"
+    ))
+}
+
 fn build(toolchain: Toolchain, target: &str, options: &str) -> Command {
     let line = format!("build -p pldi-core --lib --release --locked --target {target} {options}");
     match toolchain {
         Toolchain::Installed => cargo(&line),
+        // Another compiler's output would only push ours out of the cache.
+        Toolchain::Debian => cargo_for(toolchain, &line, &target_dir().join("nostd")),
+    }
+}
+
+/// The cargo that can build for microcontrollers, with the arguments of `line`, building in `folder`.
+pub(crate) fn cargo_for(toolchain: Toolchain, line: &str, folder: &Path) -> Command {
+    let mut command = match toolchain {
+        Toolchain::Installed => cargo(line),
         Toolchain::Debian => {
             let mut command = program(DEBIAN_CARGO);
-            command
-                .args(line.split_whitespace())
-                .arg("-Zbuild-std=core")
-                // Another compiler's output would only push ours out of the cache.
-                .arg("--target-dir")
-                .arg(target_dir().join("nostd"))
-                .env("RUSTC", DEBIAN_RUSTC)
-                .env("RUSTC_BOOTSTRAP", "1")
-                // `cargo run` puts the libraries of its own compiler here.
-                .env_remove("LD_LIBRARY_PATH");
+            command.args(line.split_whitespace()).arg("-Zbuild-std=core");
+            // `cargo run` puts the libraries of its own compiler here.
+            command.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1").env_remove("LD_LIBRARY_PATH");
             command
         }
-    }
+    };
+    command.arg("--target-dir").arg(folder);
+    command
 }
 
 /// What the command prints, without the white space around it; `None` if it fails.

@@ -1,6 +1,7 @@
 //! The projective light diffusion image (paper, section 3): N = |n . v| / |v|, the cosine between the surface's
 //! normal and the ray to the pixel, as if the scene were lit from the camera.
 
+pub mod fixed;
 pub mod normals;
 
 use crate::eigen::dot;

@@ -105,7 +105,7 @@ impl Arithmetic for Float {
     }
 
     fn require(params: &Params, templates: &Templates<'_>) -> Result<(), Error> {
-        Ok(templates.require(&params.view, Encoding::Float)?)
+        Ok(templates.require(params.view.hash(), Encoding::Float)?)
     }
 
     fn reconstruct<const W: usize, const H: usize>(

@@ -4,13 +4,18 @@
 //! the same code for both.
 
 mod arithmetic;
+mod fixed;
 mod float;
+pub mod mix;
+mod overlay;
 mod params;
 mod report;
 mod workspace;
 
 pub use arithmetic::Arithmetic;
+pub use fixed::{Fixed, FixedParams, FixedTables};
 pub use float::{Float, FloatImages, FloatTables};
+pub use overlay::{FixedImages, Ground, Views};
 pub use params::Params;
 pub use report::{Detection, Hypotheses, MAX_DETECTIONS, Report};
 pub use workspace::Workspace;
@@ -32,6 +37,12 @@ pub type QvgaPipeline = Pipeline<Float, QVGA_WIDTH, QVGA_HEIGHT>;
 
 /// The memory of a pipeline for QVGA frames.
 pub type QvgaWorkspace = Workspace<Float, QVGA_WIDTH, QVGA_HEIGHT>;
+
+/// A pipeline for QVGA frames in integers.
+pub type QvgaFixedPipeline = Pipeline<Fixed, QVGA_WIDTH, QVGA_HEIGHT>;
+
+/// The memory of a pipeline for QVGA frames in integers.
+pub type QvgaFixedWorkspace = Workspace<Fixed, QVGA_WIDTH, QVGA_HEIGHT>;
 
 /// What a stage may look up: the parameters and the tables made of them.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,6 @@
 //! The pipeline's memory, which the caller owns.
 
-use super::{Arithmetic, Float, FloatImages, Report};
+use super::{Arithmetic, Fixed, FixedImages, Float, FloatImages, Report};
 use crate::frame::{QVGA_HEIGHT, QVGA_WIDTH};
 
 /// All images between the stages, and the result. Between calls it may be read: it holds what the last frame left.
@@ -23,7 +23,20 @@ impl<const W: usize, const H: usize> Workspace<Float, W, H> {
     }
 }
 
+impl<const W: usize, const H: usize> Workspace<Fixed, W, H> {
+    /// An empty workspace.
+    pub const fn new() -> Self {
+        Self { images: FixedImages::new(), report: Report::new() }
+    }
+}
+
 impl<const W: usize, const H: usize> Default for Workspace<Float, W, H> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const W: usize, const H: usize> Default for Workspace<Fixed, W, H> {
     fn default() -> Self {
         Self::new()
     }

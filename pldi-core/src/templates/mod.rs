@@ -137,13 +137,13 @@ impl<'a> Templates<'a> {
         Ok(())
     }
 
-    /// Checks that the templates were made with a pipeline's view parameters, otherwise distances mean nothing, and that
+    /// Checks that the templates were made with a pipeline's view parameters (by their hash), otherwise distances mean nothing, and that
     /// they are written as its search reads them.
     ///
     /// # Errors
     /// `Parameters` with both hashes; `Encoding` with both encodings.
-    pub fn require(&self, view: &ViewParams, encoding: Encoding) -> Result<(), TemplateError> {
-        let (file, pipeline) = (self.view.hash(), view.hash());
+    pub fn require(&self, pipeline: u32, encoding: Encoding) -> Result<(), TemplateError> {
+        let file = self.view.hash();
         if file != pipeline {
             return Err(TemplateError::Parameters { file, pipeline });
         }

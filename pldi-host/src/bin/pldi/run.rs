@@ -44,7 +44,7 @@ impl Run {
         let bytes = templates::read(file)?;
         let set = templates::parse(file, &bytes)?;
         let params = self.processing.params(*set.view_params());
-        set.require(&params.view, Encoding::Float).map_err(|cause| {
+        set.require(params.view.hash(), Encoding::Float).map_err(|cause| {
             let name = file.map_or("the embedded templates".to_owned(), |f| f.display().to_string());
             Error::Usage(format!("{name}: {cause}"))
         })?;

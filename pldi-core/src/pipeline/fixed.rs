@@ -1,0 +1,302 @@
+//! The pipeline in integers.
+
+use super::arithmetic::{Arithmetic, sealed::Sealed};
+use super::overlay::{Clearing, FixedImages, Gallery};
+use super::{Hypotheses, Params, Pipeline, Report, Settings, Workspace};
+use crate::descriptor::fixed::{self as descriptor, Descriptor};
+use crate::diffusion::fixed::diffusion;
+use crate::floor::fixed::{Floor, FloorMode, ransac};
+use crate::ground::fixed::{AreaParams, Cluster, DensityParams, Limits, SensoryArea, candidates, density};
+use crate::ground::{MAX_CLUSTERS, border};
+use crate::rays::fixed::{Intrinsics, Rays};
+use crate::reconstruct::fixed::{self as reconstruct, ColourRow, DepthRow, DistanceTable, FilterParams};
+use crate::templates::{Encoding, Templates};
+use crate::view::fixed::{Homography, ViewParams, framing, warp};
+use crate::{DepthRange, Error, Frame, matching};
+
+/// Integers alone: for microcontrollers without an FPU, in half a megabyte, and wherever bits must not differ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fixed;
+
+/// All parameters in integers, in the order of the stages.
+///
+/// As a constant, made of [`Params`] by the compiler, it leaves no float in the program:
+///
+/// ```
+/// use pldi_core::pipeline::{FixedParams, Params};
+///
+/// const PARAMS: FixedParams = match FixedParams::new(&Params::DEFAULT) {
+///     Ok(params) => params,
+///     Err(_) => panic!("a parameter is out of range"),
+/// };
+/// assert_eq!(PARAMS.view.radius, 320); // 4 cm in 1/8 mm
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FixedParams {
+    /// Which depths are readings.
+    pub range: DepthRange,
+    /// Reconstruction of the depth.
+    pub filter: FilterParams,
+    /// Where the floor comes from.
+    pub floor: FloorMode,
+    /// Where objects are looked for.
+    pub area: AreaParams,
+    /// The points' density on the floor.
+    pub density: DensityParams,
+    /// Which clusters are candidates.
+    pub limits: Limits,
+    /// What the descriptor is made of; the templates' must be the same.
+    pub view: ViewParams,
+}
+
+/// The value, or the function's error: `?` is not to be had in constants.
+macro_rules! attempt {
+    ($result:expr) => {
+        match $result {
+            Ok(value) => value,
+            Err(error) => return Err(error),
+        }
+    };
+}
+
+impl FixedParams {
+    /// The float parameters, rounded.
+    ///
+    /// # Errors
+    /// The first that is out of range, by its name. Some ranges are narrower than those of floats, see each stage.
+    pub const fn new(params: &Params) -> Result<Self, Error> {
+        let Params { range, filter, floor, area, density, limits, view } = params;
+        if range.min == 0 || range.min > range.max {
+            return Err(Error::OutOfRange("depth range"));
+        }
+        Ok(Self {
+            range: *range,
+            filter: attempt!(FilterParams::new(filter)),
+            floor: attempt!(FloorMode::new(floor)),
+            area: attempt!(AreaParams::new(area)),
+            density: attempt!(DensityParams::new(density)),
+            limits: attempt!(Limits::new(limits)),
+            view: attempt!(ViewParams::new(view)),
+        })
+    }
+}
+
+/// What is computed once for a camera and a set of parameters.
+#[derive(Debug, Clone)]
+#[allow(missing_copy_implementations, reason = "tables")]
+pub struct FixedTables<const W: usize, const H: usize> {
+    rays: Rays<W, H>,
+    distances: DistanceTable,
+}
+
+impl<const W: usize, const H: usize> Pipeline<Fixed, W, H> {
+    /// The rays of the camera's pixels.
+    pub fn rays(&self) -> &Rays<W, H> {
+        &self.tables.rays
+    }
+
+    /// Begins a frame that comes in row by row: forgets what came in of another one.
+    pub fn begin(&self, workspace: &mut Workspace<Fixed, W, H>) {
+        workspace.images.begin();
+    }
+
+    /// Takes in the frame's next row. When all rows are in, [`Pipeline::finish`] makes the reconstructed depth of them.
+    ///
+    /// # Errors
+    /// `PixelCount` for rows of a wrong length, `OutOfRange` for one row too many; the row then counts as not pushed.
+    pub fn push(
+        &self,
+        depth: DepthRow<'_>,
+        colour: Option<ColourRow<'_>>,
+        workspace: &mut Workspace<Fixed, W, H>,
+    ) -> Result<(), Error> {
+        match workspace.images.intake() {
+            Some(mut intake) => intake.push(self.params.range, &self.tables.distances, depth, colour),
+            None => Err(Error::Capacity("rows")),
+        }
+    }
+
+    /// First stage for a frame that was pushed: the same bits as [`Pipeline::reconstruct`] gives for a whole frame.
+    /// [`Pipeline::recognise`] goes on from there.
+    ///
+    /// # Errors
+    /// `PixelCount` where rows are missing: push them, or begin anew.
+    pub fn finish(&self, workspace: &mut Workspace<Fixed, W, H>) -> Result<(), Error> {
+        let rows = workspace.images.rows();
+        if rows != H {
+            return Err(Error::PixelCount { image: "pushed", expected: W * H, found: W * rows });
+        }
+        self.filter(&mut workspace.images);
+        Ok(())
+    }
+
+    fn filter(&self, images: &mut FixedImages<W, H>) {
+        filter(self.settings(), images);
+    }
+}
+
+fn filter<const W: usize, const H: usize>(
+    Settings { params, tables }: Settings<'_, Fixed, W, H>,
+    images: &mut FixedImages<W, H>,
+) {
+    if let Some((depth, mut scratch, lines)) = images.filter() {
+        reconstruct::filter(&params.filter, &tables.distances, &mut scratch, lines, depth);
+    }
+}
+
+impl Sealed for Fixed {}
+
+impl Arithmetic for Fixed {
+    type Params = FixedParams;
+    type Intrinsics = Intrinsics;
+    type Tables<const W: usize, const H: usize> = FixedTables<W, H>;
+    type Images<const W: usize, const H: usize> = FixedImages<W, H>;
+    type Floor = Floor;
+    type Length = i32;
+    type Descriptor = Descriptor;
+    type Distance = u32;
+
+    fn tables<const W: usize, const H: usize>(
+        params: &FixedParams,
+        intrinsics: &Intrinsics,
+    ) -> Result<FixedTables<W, H>, Error> {
+        params.filter.validate()?;
+        Ok(FixedTables { rays: Rays::new(intrinsics)?, distances: DistanceTable::new(&params.filter) })
+    }
+
+    fn require(params: &FixedParams, templates: &Templates<'_>) -> Result<(), Error> {
+        Ok(templates.require(params.view.hash, Encoding::Logarithmic)?)
+    }
+
+    fn reconstruct<const W: usize, const H: usize>(
+        settings: Settings<'_, Self, W, H>,
+        frame: &Frame<'_, W, H>,
+        images: &mut FixedImages<W, H>,
+    ) {
+        images.begin();
+        if let Some(mut intake) = images.intake() {
+            intake.push_frame(settings.params.range, &settings.tables.distances, frame);
+        }
+        filter(settings, images);
+    }
+
+    fn find_floor<const W: usize, const H: usize>(
+        Settings { params, tables }: Settings<'_, Self, W, H>,
+        images: &mut FixedImages<W, H>,
+    ) -> Option<Floor> {
+        match &params.floor {
+            FloorMode::Fixed(floor) => Some(*floor),
+            FloorMode::Ransac(params) => {
+                let (depth, points) = images.floor()?;
+                ransac::find(depth, &tables.rays, params, points)
+            }
+        }
+    }
+
+    fn find_candidates<const W: usize, const H: usize>(
+        Settings { params, tables }: Settings<'_, Self, W, H>,
+        floor: &Floor,
+        images: &mut FixedImages<W, H>,
+        report: &mut Report<Self>,
+    ) -> Result<(), Error> {
+        let axes = floor.axes();
+        let rays = &tables.rays;
+        let area = SensoryArea::new(&params.area, rays.intrinsics(), floor);
+        report.clusters.clear();
+        report.contours.clear();
+        if let Some((depth, counts, density)) = images.counts() {
+            density::project(depth, rays, &axes, &area, &params.density, counts);
+            density::spread(counts, &params.density, rays.intrinsics().fx, density);
+        }
+        let Some(Clearing { depth, labels, marks, map_labels, density, points, used }) = images.clearing() else {
+            return Ok(());
+        };
+        density::occupied(density, params.density.threshold, marks);
+        let found = border::find(marks, map_labels, &mut report.contours, points);
+        *used = border::point_count(&report.contours);
+        for _ in &report.contours {
+            report.clusters.push(Cluster::EMPTY).map_err(|_| Error::Capacity("clusters"))?;
+        }
+        candidates::gather(depth, rays, &axes, &area, &params.density, map_labels, labels, &mut report.clusters);
+        let (clusters, contours) = (&mut report.clusters, &report.contours);
+        candidates::judge::<W, H>(clusters, contours, points, map_labels, &axes, &area, &params.limits);
+        found
+    }
+
+    fn gather_mask<const W: usize, const H: usize>(
+        Settings { tables, .. }: Settings<'_, Self, W, H>,
+        floor: &Floor,
+        mask: impl Fn(usize, usize) -> bool,
+        images: &mut FixedImages<W, H>,
+        report: &mut Report<Self>,
+    ) {
+        let _ = report.clusters.push(Cluster::EMPTY);
+        if let Some(Clearing { depth, labels, .. }) = images.clearing() {
+            candidates::gather_mask(depth, &tables.rays, &floor.axes(), mask, labels, &mut report.clusters);
+        }
+    }
+
+    fn diffuse_candidates<const W: usize, const H: usize>(
+        Settings { params, tables }: Settings<'_, Self, W, H>,
+        images: &mut FixedImages<W, H>,
+        report: &Report<Self>,
+    ) {
+        // By label, so that a pixel costs one look: 0 is no cluster.
+        let mut candidate = [false; MAX_CLUSTERS + 1];
+        for (candidate, cluster) in candidate.iter_mut().skip(1).zip(&report.clusters) {
+            *candidate = cluster.rejection.is_none();
+        }
+        if let Some(Gallery { depth, labels, n, .. }) = images.gallery() {
+            let wanted = |u: usize, v: usize| candidate.get(usize::from(labels[v][u])).copied().unwrap_or(false);
+            diffusion(depth, &tables.rays, params.view.radius, wanted, n);
+        }
+    }
+
+    fn diffuse_all<const W: usize, const H: usize>(
+        Settings { params, tables }: Settings<'_, Self, W, H>,
+        images: &mut FixedImages<W, H>,
+    ) {
+        if let Some(Gallery { depth, n, .. }) = images.gallery() {
+            diffusion(depth, &tables.rays, params.view.radius, |_, _| true, n);
+        }
+    }
+
+    fn frame_view<const W: usize, const H: usize>(
+        Settings { params, tables }: Settings<'_, Self, W, H>,
+        cluster: usize,
+        floor: &Floor,
+        images: &mut FixedImages<W, H>,
+        report: &Report<Self>,
+    ) -> Option<()> {
+        let Gallery { labels, n, plane, .. } = images.gallery()?;
+        let label = u8::try_from(cluster + 1).ok()?;
+        let cluster = report.clusters.get(cluster)?;
+        let to_rays = Homography::plane_to_rays(&floor.axes(), cluster.centroid)?;
+        let frontal = framing::frontal(
+            params.view.framing,
+            labels,
+            label,
+            cluster.bbox,
+            &tables.rays,
+            &to_rays,
+            floor.height,
+        )?;
+        warp::warp(n, labels, label, &frontal, plane);
+        Some(())
+    }
+
+    fn describe_view<const W: usize, const H: usize>(
+        Settings { params, .. }: Settings<'_, Self, W, H>,
+        images: &mut FixedImages<W, H>,
+    ) -> Descriptor {
+        match images.gallery() {
+            Some(Gallery { plane, .. }) => descriptor::describe(plane, params.view.descriptor),
+            None => [0; crate::descriptor::LENGTH],
+        }
+    }
+
+    fn nearest(templates: &Templates<'_>, descriptor: &Descriptor) -> Result<Hypotheses<Self>, Error> {
+        Ok(matching::fixed::nearest(templates, descriptor)?)
+    }
+}
