@@ -11,6 +11,8 @@ const CORE_FEATURES: [&str; 3] = ["defmt", "nalgebra", "approx-math"];
 pub(crate) fn run(report: &mut Report) {
     step(report, "format", "fmt --all -- --check");
     step(report, "clippy", "clippy --workspace --all-targets --locked -- -D warnings");
+    // Not among all targets: it is no part of `cargo test`.
+    step(report, "clippy, conformance suite", "clippy -p pldi-host --test conformance --locked -- -D warnings");
     for feature in CORE_FEATURES {
         let line = format!("clippy -p pldi-core --all-targets --locked --features {feature} -- -D warnings");
         step(report, &format!("clippy, pldi-core with {feature}"), &line);
@@ -27,6 +29,7 @@ pub(crate) fn run(report: &mut Report) {
     nostd::run(report);
     nofloat::run(report);
     golden::run(report, golden::Mode::Check);
+    conformance::suite(report, conformance::Document::Check);
     conformance::run(report);
 }
 

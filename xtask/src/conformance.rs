@@ -1,4 +1,5 @@
-//! Conformance: the stages of `pldi` against the reference, number by number, on real recordings.
+//! Conformance: first the suite in `tests/conformance`, then the stages of `pldi` against the reference, number by number,
+//! on real recordings.
 //!
 //! The recordings and the reference (float64, Python) lie beside the checkout and are not part of the repository.
 //! The command writes what each stage gave; `tests/judge/compare.py` computes the same with the reference.
@@ -14,7 +15,27 @@ use crate::report::{Outcome, Report};
 /// What the judge imports.
 const MODULES: &str = "import numpy, scipy, numba, pywt, cv2";
 
-/// One step.
+/// What the suite does with `docs/conformance.md`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Document {
+    /// It is written anew.
+    Renew,
+    /// It is compared with what is measured.
+    Check,
+}
+
+/// The suite: stages against their truth in float64 and fixed point against float. One step.
+pub(crate) fn suite(report: &mut Report, document: Document) {
+    report.step("conformance suite", || {
+        let mut command = cargo("test --release --locked --quiet -p pldi-host --test conformance --");
+        if document == Document::Renew {
+            command.arg("--renew");
+        }
+        run_command(&mut command)
+    });
+}
+
+/// The reference's judgement. One step.
 pub(crate) fn run(report: &mut Report) {
     report.step("conformance with the reference", || {
         let shared = root().join("../shared");

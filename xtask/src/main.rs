@@ -27,7 +27,9 @@ Tasks:
   nofloat           that the pipeline in integers needs no float routine
   golden            makes the committed golden data anew
   golden --check    makes it elsewhere and compares it byte for byte with what is committed
-  conformance       compares the stages of `pldi` with the reference, on real recordings
+  conformance       compares all stages with their truth, fixed point with float, and the stages of `pldi` with the
+                    reference on real recordings
+  conformance --renew   the same without the reference, and writes docs/conformance.md
   help              this text
 
 Environment:
@@ -46,7 +48,11 @@ fn main() -> ExitCode {
         ["nofloat"] => nofloat::run(&mut report),
         ["golden"] => golden::run(&mut report, golden::Mode::Renew),
         ["golden", "--check"] => golden::run(&mut report, golden::Mode::Check),
-        ["conformance"] => conformance::run(&mut report),
+        ["conformance"] => {
+            conformance::suite(&mut report, conformance::Document::Check);
+            conformance::run(&mut report);
+        }
+        ["conformance", "--renew"] => conformance::suite(&mut report, conformance::Document::Renew),
         ["help" | "--help" | "-h"] => {
             println!("{HELP}");
             return ExitCode::SUCCESS;

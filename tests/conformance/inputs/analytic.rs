@@ -1,53 +1,46 @@
-//! The inputs that the table is measured on: depth and colour as sensors give them, the same in every run.
+//! Surfaces given by formulas: exact, and as a sensor measures them.
 
+use super::{H, Scene, W};
 use crate::common::{BENCH, Block, CHAIR, CHEST, Random, Room};
 use pldi_core::Intrinsics;
 
-/// Columns of the scenes.
-pub const W: usize = 320;
-/// Rows of the scenes.
-pub const H: usize = 240;
-/// The camera of all scenes.
+/// The camera of all scenes: off-centre, pixels not quite square.
 pub const CAMERA: Intrinsics = Intrinsics { width: 320, height: 240, fx: 285.63, fy: 283.1, cx: 161.2, cy: 117.9 };
 
-/// A frame.
-pub struct Scene {
-    /// Depth in mm, row by row.
-    pub depth: Vec<u16>,
-    /// Red, green, blue, row by row.
-    pub colour: Vec<u8>,
-}
+/// The pose assumed where a scene has none of its own.
+const POSE: [f32; 3] = [1.2, 0.4, 0.05];
 
-impl Scene {
-    /// Depth in metres, sentinels and what is out of range as 0.
-    pub fn metres(&self) -> Vec<f64> {
-        self.depth.iter().map(|&d| if d <= 10_000 { f64::from(d) / 1000.0 } else { 0.0 }).collect()
-    }
-
-    /// The part from the top left corner of `w` columns and `h` rows, every `step`-th pixel.
-    pub fn small(&self, w: usize, h: usize, step: usize) -> Self {
-        let pixels = || (0..h).flat_map(|v| (0..w).map(move |u| v * step * W + u * step));
-        Self {
-            depth: pixels().map(|i| self.depth[i]).collect(),
-            colour: pixels().flat_map(|i| self.colour[3 * i..3 * i + 3].to_vec()).collect(),
-        }
-    }
-}
-
-/// Builds a scene from the depth in metres and the colour at each pixel's ray (x, y, 1), then measures it: noise and
-/// steps of depth that grow with z^2, missing readings, sentinels.
-fn scene(seed: u64, surface: impl Fn(f64, f64) -> (f64, [f64; 3])) -> Scene {
-    let mut random = Random(seed);
-    let mut out = Scene { depth: Vec::new(), colour: Vec::new() };
+/// Builds a scene from the depth in metres and the colour at each pixel's ray (x, y, 1).
+fn build(
+    surface: impl Fn(f64, f64) -> (f64, [f64; 3]),
+    mut measure: impl FnMut(f64, [f64; 3]) -> (u16, [u8; 3]),
+) -> Scene {
+    let (mut depth, mut colours) = (Vec::new(), Vec::new());
     for v in 0..H {
         for u in 0..W {
             let x = (u as f64 - f64::from(CAMERA.cx)) / f64::from(CAMERA.fx);
             let y = (v as f64 - f64::from(CAMERA.cy)) / f64::from(CAMERA.fy);
             let (z, colour) = surface(x, y);
-            out.depth.push(measured(z, &mut random));
-            out.colour.extend(colour.map(|c| (c + 2.0 * random.normal()).clamp(0.0, 255.0) as u8));
+            let (z, colour) = measure(z, colour);
+            depth.push(z);
+            colours.extend(colour);
         }
     }
+    Scene { camera: CAMERA, depth, colour: Some(colours), pose: Some(POSE), shows_floor: false, stride: 1 }
+}
+
+/// The surface as it is, to the nearest mm.
+fn exact(surface: impl Fn(f64, f64) -> (f64, [f64; 3])) -> Scene {
+    build(surface, |z, colour| ((z * 1000.0 + 0.5) as u16, colour.map(|c| c.clamp(0.0, 255.0) as u8)))
+}
+
+/// The surface as it is measured: noise and steps of depth that grow with z^2, missing readings, sentinels.
+fn scene(seed: u64, surface: impl Fn(f64, f64) -> (f64, [f64; 3])) -> Scene {
+    let mut random = Random(seed);
+    let mut out = build(surface, |z, colour| {
+        let z = measured(z, &mut random);
+        (z, colour.map(|c| (c + 2.0 * random.normal()).clamp(0.0, 255.0) as u8))
+    });
     holes(&mut out, &mut random);
     out
 }
@@ -131,19 +124,76 @@ fn sphere() -> Scene {
     })
 }
 
+/// A plane that faces the camera, 1.5 m away.
+fn facing() -> Scene {
+    exact(|_, _| (1.5, [120.0; 3]))
+}
+
+/// A plane that leans to one side and back.
+fn slanted() -> Scene {
+    exact(|x, y| (1.6 / (0.9 + 0.35 * x - 0.25 * y), [90.0, 140.0, 60.0]))
+}
+
+/// A ball before nothing.
+fn ball() -> Scene {
+    exact(|x, y| {
+        let (a, b, c) = (x * x + y * y + 1.0, -2.0 * 1.7, 1.7 * 1.7 - 0.6 * 0.6);
+        let root = b * b - 4.0 * a * c;
+        (if root > 0.0 { (-b - root.sqrt()) / (2.0 * a) } else { 0.0 }, [200.0, 40.0, 40.0])
+    })
+}
+
+/// An upright column before a wall.
+fn column() -> Scene {
+    exact(|x, _| {
+        let (a, b, c) = (x * x + 1.0, -2.0 * (0.2 * x + 1.5), 0.2 * 0.2 + 1.5 * 1.5 - 0.25 * 0.25);
+        let root = b * b - 4.0 * a * c;
+        if root > 0.0 { ((-b - root.sqrt()) / (2.0 * a), [220.0; 3]) } else { (2.5, [60.0; 3]) }
+    })
+}
+
+/// A step of 10 cm that colour does not show.
+fn step() -> Scene {
+    exact(|x, y| (if x + 0.2 * y > 0.05 { 1.3 } else { 1.4 }, [128.0; 3]))
+}
+
+/// What a room's camera sees, with noise or without.
+fn room_scene(room: &Room<'_>, seed: u64) -> Scene {
+    let shot = room.shoot(&CAMERA, seed);
+    let pose = [room.height as f32, room.pitch as f32, 0.0];
+    Scene {
+        camera: CAMERA,
+        depth: shot.depth,
+        colour: Some(shot.colour),
+        pose: Some(pose),
+        shows_floor: true,
+        stride: 1,
+    }
+}
+
 /// A room with furniture, and pixels that lost their reading.
 fn furniture() -> Scene {
-    let room = rooms()[1];
-    let shot = room.shoot(&CAMERA, 4);
-    let mut out = Scene { depth: shot.depth, colour: shot.colour };
+    let mut out = room_scene(&rooms()[1], 4);
     holes(&mut out, &mut Random(44));
     out
 }
 
-/// All frames.
-pub fn all() -> Vec<Scene> {
-    vec![planes(), steps(), sphere(), furniture()]
-}
+/// The frames: exact ones, then measured ones, then rooms.
+pub const SCENES: &[fn() -> Scene] = &[
+    facing,
+    slanted,
+    ball,
+    column,
+    step,
+    || room_scene(&Room { noise: 0.0, ..rooms()[0] }, 1),
+    planes,
+    steps,
+    sphere,
+    furniture,
+    || room_scene(&rooms()[0], 7),
+    || room_scene(&rooms()[1], 8),
+    || room_scene(&rooms()[2], 9),
+];
 
 /// Rooms with one object each.
 pub fn rooms() -> [Room<'static>; 3] {

@@ -38,6 +38,19 @@ impl Pose {
         Self { right, forward, up, height }
     }
 
+    /// The camera above a floor that is given by its normal (made a unit vector) and the height.
+    pub fn above(normal: Vector, height: f64) -> Self {
+        let unit = |v: Vector| v.map(|c| c / dot(v, v).sqrt());
+        let up = unit(normal);
+        let forward = unit(along([0.0, 0.0, 1.0], -up[2], up));
+        let right = [
+            forward[1] * up[2] - forward[2] * up[1],
+            forward[2] * up[0] - forward[0] * up[2],
+            forward[0] * up[1] - forward[1] * up[0],
+        ];
+        Self { right, forward, up, height }
+    }
+
     /// How far a metre along the principal axis goes along the floor.
     pub fn horizontal(&self) -> f64 {
         self.forward[2]

@@ -64,8 +64,16 @@ pub enum Kind {
 /// The 58 numbers of a view.
 pub fn descriptor(view: &[f64], kind: Kind) -> Vec<f64> {
     let (approximation, levels) = wavelets(view);
+    descriptor_of(approximation, &levels, kind)
+}
+
+/// The 58 numbers of a view's [`wavelets`].
+pub fn descriptor_of(approximation: f64, levels: &[[Vec<f64>; 3]], kind: Kind) -> Vec<f64> {
     let details = levels.iter().flatten().flatten();
     let total = approximation.abs() + details.map(|c| c.abs()).sum::<f64>();
+    if total == 0.0 {
+        return vec![0.0; 58];
+    }
     let mut out = vec![approximation.abs() / total];
     for band in &levels[0] {
         out.push(band[0].abs() / total);

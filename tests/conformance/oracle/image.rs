@@ -76,11 +76,12 @@ pub fn point(k: &Intrinsics, u: usize, v: usize, z: f64) -> [f64; 3] {
 pub fn light(depth: &[f64], k: &Intrinsics, radius: f64, u: usize, v: usize) -> f64 {
     let (w, h) = (usize::from(k.width), usize::from(k.height));
     let z = depth[v * w + u];
-    if z <= 0.0 {
-        return 0.0;
+    if z <= radius {
+        return 0.0; // within the radius of the camera itself
     }
     let here = point(k, u, v, z);
-    let reach = (radius * f64::from(k.fx.max(k.fy)) / (z - radius)) as usize + 2;
+    // The whole image where it must be.
+    let reach = (radius * f64::from(k.fx.max(k.fy)) / (z - radius)).min(1000.0) as usize + 2;
     let mut near = Vec::new();
     for y in v.saturating_sub(reach)..(v + reach + 1).min(h) {
         for x in u.saturating_sub(reach)..(u + reach + 1).min(w) {
