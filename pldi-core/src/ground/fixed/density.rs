@@ -277,7 +277,8 @@ mod tests {
                 steps += usize::from(error > 0.01 * b + 0.02);
                 prop_assert!(error <= 0.07 * b + 0.02 || *b < 0.3, "{a} {b}");
             }
-            prop_assert!(steps <= 2, "{steps}");
+            // Kernels are symmetric: what meets a step of the table does so at several cells.
+            prop_assert!(steps <= 8, "{steps}");
         }
     }
 

@@ -142,7 +142,8 @@ proptest! {
         }
         let off = fixed.density.as_flattened().iter().zip(float.density.as_flattened()).filter(|(a, b)| {
             let b = b.min(65_535.0 / 1024.0);
-            (f32::from(**a) / 1024.0 - b).abs() > 0.01 * b + 0.02
+            // A step of the Gaussian's table is 6 %; a whole front may stand just there.
+            (f32::from(**a) / 1024.0 - b).abs() > 0.07 * b + 0.02
         });
         prop_assert!(off.count() <= MAP_WIDTH * MAP_DEPTH / 1000);
         prop_assert_eq!(fixed.clusters.len(), float.clusters.len());
