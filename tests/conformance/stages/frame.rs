@@ -64,7 +64,7 @@ fn exact(scene: &Scene, tally: &mut Tally) {
     let params =
         Params { filter: FilterParams { kind: FilterKind::Exact, ..FilterParams::DEFAULT }, ..Params::DEFAULT };
     let pipeline = Pipeline::<Float32, 48, 40>::new(&params, &camera).expect("a camera");
-    let mut workspace = Box::new(Workspace::new());
+    let mut workspace = Box::new(Workspace::<Float32, 48, 40>::new());
     let (depth, colour) = scene.small(48, 40, 6);
     pipeline.reconstruct(&Frame::new(&depth, Some(&colour)).expect("a frame"), &mut workspace);
     let metres: Vec<f64> = depth.iter().map(|&d| if d <= 10_000 { f64::from(d) / 1000.0 } else { 0.0 }).collect();

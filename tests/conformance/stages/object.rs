@@ -169,7 +169,7 @@ fn nearest(templates: &Templates<'_>, descriptor: &Descriptor, tally: &mut Tally
     let query = descriptor.map(f64::from);
     let distances = templates.iter().map(|t| (numbers::canberra(&query, &t.descriptor().map(f64::from)), t.class()));
     let truth = distances.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a template");
-    let found = matching::nearest(templates, descriptor);
+    let found = matching::nearest(templates, descriptor).expect("templates of floats");
     let best = found.first().filter(|h| h.class == truth.1);
     tally.at("matching: nearest class", Float).add_option(best.map(|h| f64::from(h.distance)), Some(truth.0));
 }
