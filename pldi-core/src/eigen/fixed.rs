@@ -30,8 +30,7 @@ pub fn least_direction(c: &Symmetric3) -> Option<[i32; 3]> {
     }
     // Trace below 2^30 and at least 2^29 (Q30; rounding down may take 3 units).
     let bits = 64 - trace.leading_zeros();
-    let [xx, xy, xz, yy, yz, zz] =
-        if bits > 30 { c.map(|v| v >> (bits - 30)) } else { c.map(|v| v << (30 - bits)) };
+    let [xx, xy, xz, yy, yz, zz] = if bits > 30 { c.map(|v| v >> (bits - 30)) } else { c.map(|v| v << (30 - bits)) };
     let trace = xx + yy + zz;
 
     // Products Q60, at most 2^60; differences of two at most 2^61.
@@ -44,9 +43,9 @@ pub fn least_direction(c: &Symmetric3) -> Option<[i32; 3]> {
     let up = (minors.leading_zeros() - 1).saturating_sub(4).min(28);
     let minors = (minors << 2) << up;
     let down = 28 - up;
-    let determinant = (xx.wrapping_mul(mxx >> down)).wrapping_add(xy.wrapping_mul(mxy >> down)).wrapping_add(
-        xz.wrapping_mul(mxz >> down),
-    );
+    let determinant = (xx.wrapping_mul(mxx >> down))
+        .wrapping_add(xy.wrapping_mul(mxy >> down))
+        .wrapping_add(xz.wrapping_mul(mxz >> down));
 
     // f(l) = determinant - minors l + trace l^2 - l^3, l in Q32, below half of the trace. Wrapping only where the matrix is
     // not semi-definite: l (trace - l) is at most the minors up to the smallest root.
@@ -117,15 +116,15 @@ mod tests {
             [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
             [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
         ];
-        let entry = |i: usize, j: usize| (0..3).map(|k| values[k] * axes[k][i] * axes[k][j]).sum::<f64>().round() as i64;
+        let entry =
+            |i: usize, j: usize| (0..3).map(|k| values[k] * axes[k][i] * axes[k][j]).sum::<f64>().round() as i64;
         ([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)], axes[0])
     }
 
     /// Sine of the angle between two lines.
     fn sine(n: [i32; 3], axis: [f64; 3]) -> f64 {
         let n = n.map(|v| f64::from(v) / f64::from(1 << 30));
-        let cross =
-            [n[1] * axis[2] - n[2] * axis[1], n[2] * axis[0] - n[0] * axis[2], n[0] * axis[1] - n[1] * axis[0]];
+        let cross = [n[1] * axis[2] - n[2] * axis[1], n[2] * axis[0] - n[0] * axis[2], n[0] * axis[1] - n[1] * axis[0]];
         cross.iter().map(|v| v * v).sum::<f64>().sqrt()
     }
 

@@ -273,15 +273,8 @@ impl Arithmetic for Fixed {
         let label = u8::try_from(cluster + 1).ok()?;
         let cluster = report.clusters.get(cluster)?;
         let to_rays = Homography::plane_to_rays(&floor.axes(), cluster.centroid)?;
-        let frontal = framing::frontal(
-            params.view.framing,
-            labels,
-            label,
-            cluster.bbox,
-            &tables.rays,
-            &to_rays,
-            floor.height,
-        )?;
+        let frontal =
+            framing::frontal(params.view.framing, labels, label, cluster.bbox, &tables.rays, &to_rays, floor.height)?;
         warp::warp(n, labels, label, &frontal, plane);
         Some(())
     }

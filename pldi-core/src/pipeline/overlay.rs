@@ -9,11 +9,11 @@
 //! The floor's search has its points where the ground map comes to lie. Nothing here is unsafe: bytes are cut into arrays by
 //! `zerocopy`, which checks sizes and alignments; the sizes are constants, so nothing is left of the checks.
 
+use crate::Image;
 use crate::floor::fixed::ransac;
 use crate::ground::{ContourPoint, MAP_DEPTH, MAP_WIDTH, MAX_CONTOUR_POINTS, Map};
 use crate::reconstruct::fixed::{Intake, Scratch, recursive::Lines};
 use crate::wavelet::{SIZE, fixed::Plane};
-use crate::Image;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// What the shared memory holds at the moment.
@@ -83,7 +83,10 @@ impl<const W: usize, const H: usize> FixedImages<W, H> {
     /// Everything must fit, and the clusters' sums of coordinates must not overflow.
     const FITS: () = {
         let map = MAP_WIDTH * MAP_DEPTH;
-        assert!(4 * W * H >= W * H + 4 * map + MAX_CONTOUR_POINTS * size_of::<ContourPoint>(), "the ground map is larger");
+        assert!(
+            4 * W * H >= W * H + 4 * map + MAX_CONTOUR_POINTS * size_of::<ContourPoint>(),
+            "the ground map is larger"
+        );
         assert!(4 * W * H >= 3 * W * H + size_of::<Plane>(), "N and a view are larger");
         assert!(W * H <= 320 * 240 && W * H % 4 == 0 && H <= W, "larger than QVGA, or of an odd shape");
     };

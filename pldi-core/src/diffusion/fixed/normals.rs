@@ -129,7 +129,8 @@ impl<'a, const W: usize, const H: usize> Normals<'a, W, H> {
             columns: reach(x, k.fx, W),
             near,
             width2: (1 << 12) + u64::from(x10 * x10 / (along >> 12).max(1)) + 1,
-            lean: ((u64::from(x10) * u64::from(y10 + 1) / u64::from(along.isqrt())) as u32 * self.radius as u32 >> 10) + 1,
+            lean: ((u64::from(x10) * u64::from(y10 + 1) / u64::from(along.isqrt())) as u32 * self.radius as u32 >> 10)
+                + 1,
             across: ((1u64 << 44) / u64::from((1 << 20) + (y10 + 1) * (y10 + 1))) as u32,
             pixels: ((k.fx as u32) / near as u32) as u64 + 1,
         }
@@ -241,7 +242,54 @@ impl<'a, const W: usize, const H: usize> Normals<'a, W, H> {
             }
             chunk += OFFSETS as i32;
         }
-        core::array::from_fn(|i| eigen::least_direction(&sums.covariance(i)?))
+        core::array::from_fn(|i| {
+            let few = 3..=i64::from(side);
+            let covariance = match sums.count(i) {
+                // No more than a line of pixels has.
+                n if few.contains(&n) => self.exact(z[i], u + i, v, &window)?,
+                _ => sums.covariance(i)?,
+            };
+            eigen::least_direction(&covariance)
+        })
+    }
+
+    /// n^2 times the covariance in 1/2048 mm, of few neighbours: pixels on a line lie in a plane with their rays, and the less
+    /// they deviate from a line in space the more it takes to see that.
+    fn exact(&self, z: u16, u: usize, v: usize, window: &Window) -> Option<Symmetric3> {
+        let centre = self.place(z, u, v);
+        let (rows, columns) = (window.rows as usize, window.columns as usize);
+        let radius2 = i64::from(self.radius * self.radius) << 16;
+        let (mut n, mut first, mut second) = (0i64, [0i64; 3], [0i64; 6]);
+        for (row, line) in self.depth.iter().enumerate().take(v + rows + 1).skip(v.saturating_sub(rows)) {
+            for (column, there) in line.iter().enumerate().take(u + columns + 1).skip(u.saturating_sub(columns)) {
+                if (i32::from(*there) - i32::from(z)).abs() > self.radius || *there == 0 {
+                    continue;
+                }
+                let place = self.place(*there, column, row);
+                // |x| < 2^31 in Q26 times 2^16: below 2^30 in Q8.
+                let [p, q, b] = core::array::from_fn(|i| place[i] - centre[i]);
+                if p * p + q * q + b * b <= radius2 {
+                    n += 1;
+                    for (sum, d) in first.iter_mut().zip([p, q, b]) {
+                        *sum += d;
+                    }
+                    for (sum, product) in second.iter_mut().zip([p * p, p * q, p * b, q * q, q * b, b * b]) {
+                        *sum += product;
+                    }
+                }
+            }
+        }
+        // Offsets below 2^20 and n below 2^10 or so (lines of pixels): below 2^60; wrapping where a huge radius has more.
+        let [p, q, b] = first;
+        let least = [p * p, p * q, p * b, q * q, q * b, b * b];
+        (n >= 3).then(|| core::array::from_fn(|i| n.wrapping_mul(second[i]).wrapping_sub(least[i])))
+    }
+
+    /// The point (1/2048 mm) at depth `z` of a pixel.
+    #[inline(always)]
+    fn place(&self, z: u16, u: usize, v: usize) -> [i64; 3] {
+        let across = |slope: Option<&i32>| (i64::from(slope.copied().unwrap_or(0)) * i64::from(z)) >> 18;
+        [across(self.rays.x().get(u)), across(self.rays.y().get(v)), i64::from(z) << 8]
     }
 }
 
@@ -265,7 +313,8 @@ fn project(
     let [px, py, pz] = points;
     let [x_low, x_high] = x;
     let (px, py, pz) = (px.as_chunks_mut::<LANES>().0, py.as_chunks_mut::<LANES>().0, pz.as_chunks_mut::<LANES>().0);
-    let inputs = depths.as_chunks::<LANES>().0.iter().zip(x_low.as_chunks::<LANES>().0).zip(x_high.as_chunks::<LANES>().0);
+    let inputs =
+        depths.as_chunks::<LANES>().0.iter().zip(x_low.as_chunks::<LANES>().0).zip(x_high.as_chunks::<LANES>().0);
     let outputs = px.iter_mut().zip(py).zip(pz);
     for (((depths, low), high), ((px, py), pz)) in inputs.zip(outputs).take(blocks.end).skip(blocks.start) {
         for i in 0..LANES {
@@ -293,11 +342,16 @@ impl Window {
 }
 
 impl Sums {
+    #[inline(always)]
+    fn count(&self, i: usize) -> i64 {
+        self.n.get(i).copied().map_or(0, i64::from)
+    }
+
     /// n^2 times the covariance of the neighbours of pixel `i`; `None` for fewer than three.
     #[inline(always)]
     fn covariance(&self, i: usize) -> Option<Symmetric3> {
         let at = |sums: &row::Long| sums.get(i).copied().map_or(0, i64::from);
-        let n = at(&self.n);
+        let n = self.count(i);
         if n < 3 {
             return None;
         }

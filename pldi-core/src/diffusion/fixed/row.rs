@@ -59,9 +59,9 @@ impl Row<'_> {
     #[inline(always)]
     fn offset(&self, centres: &Centres) -> Short {
         let (low, high) = (self.step as u16, (self.step >> 16) as u16);
-        centres.depth.map(|z| {
-            (((u32::from(low) * u32::from(z)) >> 16) as u16).wrapping_add(high.wrapping_mul(z)) as i16
-        })
+        centres
+            .depth
+            .map(|z| (((u32::from(low) * u32::from(z)) >> 16) as u16).wrapping_add(high.wrapping_mul(z)) as i16)
     }
 }
 
@@ -227,12 +227,10 @@ mod sse2 {
     #[inline(always)]
     pub fn add(centres: &Centres, row: &Row<'_>, sums: &mut Sums) {
         let zero = zeroed_m128i();
-        let mut inner =
-            Inner { centres, n: zero, p: zero, b: zero, pp: [zero; 2], pb: [zero; 2], bb: [zero; 2] };
+        let mut inner = Inner { centres, n: zero, p: zero, b: zero, pp: [zero; 2], pb: [zero; 2], bb: [zero; 2] };
         let [x, y, z] = row.points;
         let count = (x.len() + 1).saturating_sub(LANES);
-        let mut neighbours =
-            x.array_windows::<LANES>().zip(y.array_windows::<LANES>()).zip(z.array_windows::<LANES>());
+        let mut neighbours = x.array_windows::<LANES>().zip(y.array_windows::<LANES>()).zip(z.array_windows::<LANES>());
         while let Some(((x, y), z)) = neighbours.next() {
             let first = inner.near(x, y, z);
             let second = match neighbours.next() {
@@ -261,7 +259,8 @@ mod sse2 {
         };
         let fraction = set_i32_m128i_s(centres.fraction as i32);
         let slope = set_i32_m128i_s((SLOPE_BITS + centres.fraction) as i32);
-        let shifted = |v: Pair, by: m128i| pack_i32_to_i16_m128i(shr_all_i32_m128i(v[0], by), shr_all_i32_m128i(v[1], by));
+        let shifted =
+            |v: Pair, by: m128i| pack_i32_to_i16_m128i(shr_all_i32_m128i(v[0], by), shr_all_i32_m128i(v[1], by));
         let q1 = plus(products(n, q0), each(products(b, y), |v| shr_imm_i32_m128i::<{ SLOPE_BITS as i32 }>(v)));
         let qb = madd(interleave(b, short(bb)), factors);
         add_to(&mut sums.q, q1);
