@@ -128,8 +128,31 @@ impl fmt::Display for TemplateError {
 }
 
 /// Checks `min <= value && value <= max`; NaN is out of every range.
-pub(crate) fn within(name: &'static str, value: f32, min: f32, max: f32) -> Result<(), Error> {
+///
+/// By their bits, which stand in the numbers' order: a pipeline in integers reads view parameters out of template files, and
+/// must not need the software floating point for that.
+pub(crate) const fn within(name: &'static str, value: f32, min: f32, max: f32) -> Result<(), Error> {
+    let (value, min, max) = (rank(value), rank(min), rank(max));
     if min <= value && value <= max { Ok(()) } else { Err(Error::OutOfRange(name)) }
+}
+
+/// Whether a number is neither infinite nor NaN, without float instructions.
+pub(crate) const fn is_finite(value: f32) -> bool {
+    value.to_bits() & 0x7F80_0000 != 0x7F80_0000
+}
+
+/// An integer in the order of the numbers: -0 and 0 are the same, NaN of either sign lies beyond all.
+const fn rank(value: f32) -> i32 {
+    let bits = value.to_bits() as i32;
+    let magnitude = bits & i32::MAX;
+    if magnitude > 0x7F80_0000 {
+        // Above the largest limit, which is no NaN.
+        i32::MAX
+    } else if bits < 0 {
+        -magnitude
+    } else {
+        magnitude
+    }
 }
 
 impl core::error::Error for Error {}
@@ -138,5 +161,30 @@ impl core::error::Error for TemplateError {}
 impl From<TemplateError> for Error {
     fn from(e: TemplateError) -> Self {
         Self::Templates(e)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn ranges_by_bits_are_ranges_of_numbers(value in any::<f32>(), a in any::<f32>(), b in -10.0f32..10.0) {
+            for (min, max) in [(a, b), (b, a), (-b, b), (0.0, b)] {
+                prop_assume!(!max.is_nan());
+                let inside = min <= value && value <= max;
+                prop_assert_eq!(within("value", value, min, max).is_ok(), inside, "{} {} {}", value, min, max);
+            }
+            prop_assert_eq!(is_finite(value), value.is_finite());
+        }
+    }
+
+    #[test]
+    fn nan_and_zeros() {
+        assert!(within("value", f32::NAN, -1.0, f32::INFINITY).is_err());
+        assert!(within("value", -f32::NAN, f32::NEG_INFINITY, 1.0).is_err());
+        assert!(within("value", -0.0, 0.0, 1.0).is_ok() && within("value", 0.0, -1.0, -0.0).is_ok());
     }
 }

@@ -123,7 +123,7 @@ impl<'a> Templates<'a> {
                 return Err(TemplateError::Field("object of a template"));
             }
             let legal = match template.values {
-                Values::Float(values) => values.iter().all(|v| v.get().is_finite()),
+                Values::Float(values) => values.iter().all(|v| crate::error::is_finite(v.get())),
                 // No code: 0 has no sign.
                 Values::Logarithmic(values) => values.iter().all(|v| v.get() != descriptor::fixed::SIGN),
             };
