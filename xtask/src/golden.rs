@@ -76,7 +76,7 @@ fn settle(mode: Mode, committed: &Path, made: &Path) -> Result<(), String> {
 }
 
 /// Where two files part, in words; `None` if they are the same.
-fn difference(old: &[u8], new: &[u8]) -> Option<String> {
+pub(crate) fn difference(old: &[u8], new: &[u8]) -> Option<String> {
     let lengths = if old.len() == new.len() {
         String::new()
     } else {

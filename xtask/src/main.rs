@@ -11,6 +11,7 @@ mod nofloat;
 mod nostd;
 mod process;
 mod report;
+mod size;
 
 use std::process::ExitCode;
 
@@ -25,6 +26,8 @@ Tasks:
   ci                everything below, after formatting, lints, documentation and tests: what CI runs
   nostd             pldi-core for microcontrollers, with and without its features
   nofloat           that the pipeline in integers needs no float routine
+  size              prints the memory plan of the pipeline in integers, compares it with docs/memory.md
+  size --renew      writes docs/memory.md anew
   golden            makes the committed golden data anew
   golden --check    makes it elsewhere and compares it byte for byte with what is committed
   conformance       compares all stages with their truth, fixed point with float, and the stages of `pldi` with the
@@ -46,6 +49,8 @@ fn main() -> ExitCode {
         ["ci"] => ci::run(&mut report),
         ["nostd"] => nostd::run(&mut report),
         ["nofloat"] => nofloat::run(&mut report),
+        ["size"] => size::run(&mut report, golden::Mode::Check),
+        ["size", "--renew"] => size::run(&mut report, golden::Mode::Renew),
         ["golden"] => golden::run(&mut report, golden::Mode::Renew),
         ["golden", "--check"] => golden::run(&mut report, golden::Mode::Check),
         ["conformance"] => {

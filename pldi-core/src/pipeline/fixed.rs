@@ -91,6 +91,17 @@ pub struct FixedTables<const W: usize, const H: usize> {
 }
 
 impl<const W: usize, const H: usize> Pipeline<Fixed, W, H> {
+    /// What [`Pipeline::new`] does, for a `static`: the tables are made by the compiler and lie in flash.
+    ///
+    /// # Errors
+    /// As [`Pipeline::new`].
+    pub const fn constant(params: &FixedParams, intrinsics: &Intrinsics) -> Result<Self, Error> {
+        match tables(params, intrinsics) {
+            Ok(tables) => Ok(Self { params: *params, tables }),
+            Err(error) => Err(error),
+        }
+    }
+
     /// The rays of the camera's pixels.
     pub fn rays(&self) -> &Rays<W, H> {
         &self.tables.rays
@@ -145,6 +156,15 @@ fn filter<const W: usize, const H: usize>(
     }
 }
 
+const fn tables<const W: usize, const H: usize>(
+    params: &FixedParams,
+    intrinsics: &Intrinsics,
+) -> Result<FixedTables<W, H>, Error> {
+    attempt!(params.filter.validate());
+    attempt!(params.floor.validate());
+    Ok(FixedTables { rays: attempt!(Rays::new(intrinsics)), distances: DistanceTable::new(&params.filter) })
+}
+
 impl Sealed for Fixed {}
 
 impl Arithmetic for Fixed {
@@ -161,8 +181,7 @@ impl Arithmetic for Fixed {
         params: &FixedParams,
         intrinsics: &Intrinsics,
     ) -> Result<FixedTables<W, H>, Error> {
-        params.filter.validate()?;
-        Ok(FixedTables { rays: Rays::new(intrinsics)?, distances: DistanceTable::new(&params.filter) })
+        tables(params, intrinsics)
     }
 
     fn require(params: &FixedParams, templates: &Templates<'_>) -> Result<(), Error> {

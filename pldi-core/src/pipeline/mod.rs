@@ -9,6 +9,7 @@ mod float;
 pub mod mix;
 mod overlay;
 mod params;
+pub mod plan;
 mod report;
 mod workspace;
 

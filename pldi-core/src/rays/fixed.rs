@@ -85,29 +85,41 @@ pub struct Rays<const W: usize, const H: usize> {
     y: [i32; H],
 }
 
+/// (pixel - centre) / focal length in Q26, rounded to nearest.
+const fn slope(pixel: usize, centre: i32, focal: i32) -> i32 {
+    let offset = ((pixel as i64) << 16) - centre as i64;
+    let focal = if focal < 1 { 1 } else { focal as i64 };
+    ((offset << 26) + focal / 2).div_euclid(focal) as i32
+}
+
 impl<const W: usize, const H: usize> Rays<W, H> {
-    /// The tables of a camera of the frame's size. Rounded to nearest; |x|, |y| < 32.
+    /// The tables of a camera of the frame's size; at compile time in a `const` or `static`. Rounded to nearest;
+    /// |x|, |y| < 32.
     ///
     /// # Errors
     /// `IntrinsicsSize` where the intrinsics are for another size than `W` x `H`; what [`Intrinsics::validate`] says.
-    pub fn new(intrinsics: &Intrinsics) -> Result<Self, Error> {
-        if (usize::from(intrinsics.width), usize::from(intrinsics.height)) != (W, H) {
+    pub const fn new(intrinsics: &Intrinsics) -> Result<Self, Error> {
+        if intrinsics.width as usize != W || intrinsics.height as usize != H {
             return Err(Error::IntrinsicsSize {
                 intrinsics: (intrinsics.width, intrinsics.height),
                 frame: (W as u16, H as u16),
             });
         }
-        intrinsics.validate()?;
-        let slope = |pixel: usize, centre: i32, focal: i32| {
-            let offset = ((pixel as i64) << 16) - i64::from(centre);
-            let (numerator, focal) = (offset << 26, i64::from(focal.max(1)));
-            ((numerator + focal / 2).div_euclid(focal)) as i32
-        };
-        Ok(Self {
-            intrinsics: *intrinsics,
-            x: core::array::from_fn(|u| slope(u, intrinsics.cx, intrinsics.fx)),
-            y: core::array::from_fn(|v| slope(v, intrinsics.cy, intrinsics.fy)),
-        })
+        if let Err(error) = intrinsics.validate() {
+            return Err(error);
+        }
+        let mut rays = Self { intrinsics: *intrinsics, x: [0; W], y: [0; H] };
+        let mut u = 0;
+        while u < W {
+            rays.x[u] = slope(u, intrinsics.cx, intrinsics.fx);
+            u += 1;
+        }
+        let mut v = 0;
+        while v < H {
+            rays.y[v] = slope(v, intrinsics.cy, intrinsics.fy);
+            v += 1;
+        }
+        Ok(rays)
     }
 
     /// The camera that the tables are for.

@@ -21,6 +21,12 @@ const CAMERA: rays::fixed::Intrinsics = match rays::fixed::Intrinsics::new(&Intr
     Err(_) => panic!("the intrinsics are out of range"),
 };
 
+/// In flash, tables and all.
+static PIPELINE: QvgaFixedPipeline = match QvgaFixedPipeline::constant(&PARAMS, &CAMERA) {
+    Ok(pipeline) => pipeline,
+    Err(_) => panic!("a parameter is out of range"),
+};
+
 /// Rows of a sensor, the template file, and memory: what comes from outside, so that the compiler knows nothing about it.
 #[repr(C)]
 pub struct Outside<'a> {
@@ -43,6 +49,8 @@ fn frames(outside: &mut Outside<'_>) -> Result<usize, Error> {
     let templates = Templates::parse(templates)?;
     pipeline.run(&Frame { depth, colour: Some(colour) }, &templates, workspace)?;
     let mut found = workspace.report.detections.len();
+    // The second frame with the tables in flash.
+    let pipeline = &PIPELINE;
     pipeline.begin(workspace);
     for (v, (depth, colour)) in depth.iter().zip(yuyv.iter()).enumerate() {
         let row = if v % 2 == 0 { DepthRow::Millimetres(depth) } else { DepthRow::Raw(depth, Disparity::KINECT) };

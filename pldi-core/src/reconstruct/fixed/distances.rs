@@ -30,34 +30,47 @@ pub struct DistanceTable {
     weights: [[u16; 256]; MAX_ITERATIONS],
 }
 
+/// A distance (Q24) in steps (Q24), Q16, at most 47.
+const fn codes(distance: u64, step: u64) -> u32 {
+    let codes = ((distance << 16) + step / 2) / step;
+    if codes > 47 << 16 { 47 << 16 } else { codes as u32 }
+}
+
 impl DistanceTable {
-    /// The tables for validated parameters.
-    pub fn new(params: &FilterParams) -> Self {
-        let space = u64::from(params.sigma_space);
-        let n = u32::from(params.iterations).clamp(1, MAX_ITERATIONS as u32);
+    /// The tables for validated parameters; at compile time in a `const` or `static`.
+    pub const fn new(params: &FilterParams) -> Self {
+        let space = params.sigma_space as u64;
+        let n = if params.iterations == 0 { 1 } else { params.iterations as u32 };
+        let n = if n > MAX_ITERATIONS as u32 { MAX_ITERATIONS as u32 } else { n };
         // rate = sqrt(2) / sigma_H of the first iteration = sqrt(2/3) sqrt(4^N - 1) / (ss 2^(N-1)), Q24: at most 4.
         let root = (((1u64 << (2 * n)) - 1) << 40).isqrt();
-        let rate = ((ROOT_OF_TWO_THIRDS * root) >> 12) / (space << (n - 1));
+        let rate = ((ROOT_OF_TWO_THIRDS * root) >> 12) / (space << (n - 1)) | 1;
         // Distances in Q24.
-        let colour = (space << 24) / u64::from(params.sigma_colour);
-        let mm = (space << 15) / u64::from(params.sigma_depth);
-        let least = ((REACH << 48) / rate.max(1)).div_ceil(254).max(1);
+        let colour = (space << 24) / params.sigma_colour as u64;
+        let mm = (space << 15) / params.sigma_depth as u64;
+        let least = ((REACH << 48) / rate).div_ceil(254) | 1;
         let step = if mm > least { mm.div_ceil(mm / least) } else { least };
-        let codes = |distance: u64| (((distance << 16) + step / 2) / step).min(47 << 16) as u32;
-        let (per_level, per_mm) = (codes(if params.kind == FilterKind::Joint { colour } else { 0 }), codes(mm));
+        let per_level = if matches!(params.kind, FilterKind::Joint) { codes(colour, step) } else { 0 };
+        let per_mm = codes(mm, step);
         // From there on the code is 255 whatever the colours say.
-        let max_step = (255u32 << 16).div_ceil(per_mm.max(1)).min(2047) as u16;
-        let weight = |i: usize, k: usize| {
-            if k == 255 {
-                return 0;
+        let max_step = (255u32 << 16).div_ceil(if per_mm == 0 { 1 } else { per_mm });
+        let max_step = if max_step > 2047 { 2047 } else { max_step as u16 };
+        let mut weights = [[0; 256]; MAX_ITERATIONS];
+        let mut i = 0;
+        while i < MAX_ITERATIONS {
+            let mut k = 0;
+            // Code 255 is every larger distance: nothing is passed on.
+            while k < 255 {
+                // Q24 times Q16: below 2^31 each.
+                let distance = ((1 << 24) + k as u64 * step) >> 8;
+                let exponent = ((rate << i) * distance) >> 16;
+                let weight = if exponent > u32::MAX as u64 { 0 } else { exp_neg(exponent as u32) };
+                weights[i][k] = (weight.saturating_add(1 << 15) >> 16) as u16;
+                k += 1;
             }
-            // Q24 times Q16: below 2^31 each.
-            let distance = ((1 << 24) + k as u64 * step) >> 8;
-            let exponent = ((rate << i) * distance) >> 16;
-            let weight = exp_neg(u32::try_from(exponent).unwrap_or(u32::MAX));
-            (weight.saturating_add(1 << 15) >> 16) as u16
-        };
-        Self { per_level, per_mm, max_step, weights: core::array::from_fn(|i| core::array::from_fn(|k| weight(i, k))) }
+            i += 1;
+        }
+        Self { per_level, per_mm, max_step, weights }
     }
 
     /// a^d in Q16 by code, for each iteration.
