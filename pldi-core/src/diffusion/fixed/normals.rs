@@ -129,7 +129,8 @@ impl<'a, const W: usize, const H: usize> Normals<'a, W, H> {
             columns: reach(x, k.fx, W),
             near,
             width2: (1 << 12) + u64::from(x10 * x10 / (along >> 12).max(1)) + 1,
-            lean: ((u64::from(x10) * u64::from(y10 + 1) / u64::from(along.isqrt())) as u32 * self.radius as u32 >> 10)
+            lean: (((u64::from(x10) * u64::from(y10 + 1) / u64::from(along.isqrt())) as u32 * self.radius as u32)
+                >> 10)
                 + 1,
             across: ((1u64 << 44) / u64::from((1 << 20) + (y10 + 1) * (y10 + 1))) as u32,
             pixels: ((k.fx as u32) / near as u32) as u64 + 1,
@@ -151,7 +152,7 @@ impl<'a, const W: usize, const H: usize> Normals<'a, W, H> {
         let x = columns.iter().fold(0, |most, x| x.unsigned_abs().max(most));
         let offset = |slope: u32| {
             let extent = (u64::from(secant(slope)) * radius as u64) >> 10;
-            ((extent + 1) * growth >> 8) + ((u64::from(slope) * radius as u64) >> 26) + 2
+            (((extent + 1) * growth) >> 8) + ((u64::from(slope) * radius as u64) >> 26) + 2
         };
         let (most_x, most_y) = (offset(x), offset(y.unsigned_abs() + (1 << 16)));
         let fits = |scale: i32| {

@@ -261,7 +261,7 @@ mod sse2 {
         let slope = set_i32_m128i_s((SLOPE_BITS + centres.fraction) as i32);
         let shifted =
             |v: Pair, by: m128i| pack_i32_to_i16_m128i(shr_all_i32_m128i(v[0], by), shr_all_i32_m128i(v[1], by));
-        let q1 = plus(products(n, q0), each(products(b, y), |v| shr_imm_i32_m128i::<{ SLOPE_BITS as i32 }>(v)));
+        let q1 = plus(products(n, q0), each(products(b, y), shr_imm_i32_m128i::<{ SLOPE_BITS as i32 }>));
         let qb = madd(interleave(b, short(bb)), factors);
         add_to(&mut sums.q, q1);
         add_to(&mut sums.pq, madd(interleave(p, short(pb)), factors));
