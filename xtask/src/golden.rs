@@ -15,10 +15,17 @@ struct Artefact {
 }
 
 /// All golden data. To add one: a line here, `cargo xtask golden`, commit what it wrote.
-const ARTEFACTS: &[Artefact] = &[Artefact {
-    path: "pldi-host/assets/furniture.pldt",
-    cargo: "run --release --quiet --locked -p pldi-host -- templates build --procedural --distance 2,3 -o",
-}];
+const ARTEFACTS: &[Artefact] = &[
+    Artefact {
+        path: "pldi-host/assets/furniture.pldt",
+        cargo: "run --release --quiet --locked -p pldi-host -- templates build --procedural --distance 2,3 -o",
+    },
+    // Made with the templates above.
+    Artefact {
+        path: "tests/golden/digests.txt",
+        cargo: "run --release --quiet --locked -p pldi-host --example digests --",
+    },
+];
 
 /// What is done with what was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

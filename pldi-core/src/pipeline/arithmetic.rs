@@ -1,5 +1,6 @@
 //! What the two arithmetics have in common: the same stages, with the same meaning, on their own numbers.
 
+use super::digest::Bits;
 use super::{Hypotheses, Report, Settings};
 use crate::templates::Templates;
 use crate::{Error, Frame};
@@ -19,13 +20,13 @@ pub trait Arithmetic: Copy + Debug + PartialEq + sealed::Sealed {
     /// The images between the stages.
     type Images<const W: usize, const H: usize>: Clone + Debug;
     /// The floor plane.
-    type Floor: Copy + Debug + PartialEq;
+    type Floor: Bits + Copy + Debug + PartialEq;
     /// A length or a coordinate.
-    type Length: Copy + Debug + PartialEq;
+    type Length: Bits + Copy + Debug + PartialEq;
     /// The 58 numbers.
-    type Descriptor: Copy + Debug + PartialEq;
+    type Descriptor: Bits + Copy + Debug + PartialEq;
     /// A distance between descriptors, or a score.
-    type Distance: Copy + Debug + PartialEq;
+    type Distance: Bits + Copy + Debug + PartialEq;
 
     /// Checks the parameters and fills the tables.
     ///
@@ -105,6 +106,18 @@ pub trait Arithmetic: Copy + Debug + PartialEq + sealed::Sealed {
     /// # Errors
     /// `Templates` where the set does not hold this arithmetic's numbers.
     fn nearest(templates: &Templates<'_>, descriptor: &Self::Descriptor) -> Result<Hypotheses<Self>, Error>;
+
+    /// The check sum of the reconstructed depth, continued from `crc`.
+    fn feed_depth<const W: usize, const H: usize>(images: &Self::Images<W, H>, crc: u32) -> u32;
+
+    /// The check sum of the density and of the pixels' labels, continued from `crc`.
+    fn feed_ground<const W: usize, const H: usize>(images: &Self::Images<W, H>, crc: u32) -> u32;
+
+    /// The check sum of N, continued from `crc`.
+    fn feed_n<const W: usize, const H: usize>(images: &Self::Images<W, H>, crc: u32) -> u32;
+
+    /// The check sum of the last view's coefficients, continued from `crc`.
+    fn feed_coefficients<const W: usize, const H: usize>(images: &Self::Images<W, H>, crc: u32) -> u32;
 }
 
 pub(super) mod sealed {

@@ -1,6 +1,7 @@
 //! The pipeline in integers.
 
 use super::arithmetic::{Arithmetic, sealed::Sealed};
+use super::digest::Bits;
 use super::overlay::{Clearing, FixedImages, Gallery};
 use super::{Hypotheses, Params, Pipeline, Report, Settings, Workspace};
 use crate::descriptor::fixed::{self as descriptor, Descriptor};
@@ -310,5 +311,28 @@ impl Arithmetic for Fixed {
 
     fn nearest(templates: &Templates<'_>, descriptor: &Descriptor) -> Result<Hypotheses<Self>, Error> {
         Ok(matching::fixed::nearest(templates, descriptor)?)
+    }
+
+    fn feed_depth<const W: usize, const H: usize>(images: &FixedImages<W, H>, crc: u32) -> u32 {
+        images.depth().feed(crc)
+    }
+
+    fn feed_ground<const W: usize, const H: usize>(images: &FixedImages<W, H>, crc: u32) -> u32 {
+        let crc = images.ground().map_or(crc, |ground| ground.density.feed(crc));
+        images.labels().map_or(crc, |labels| labels.feed(crc))
+    }
+
+    fn feed_n<const W: usize, const H: usize>(images: &FixedImages<W, H>, crc: u32) -> u32 {
+        images.views().map_or(crc, |views| views.n.feed(crc))
+    }
+
+    fn feed_coefficients<const W: usize, const H: usize>(images: &FixedImages<W, H>, crc: u32) -> u32 {
+        images.views().map_or(crc, |views| views.plane.feed(crc))
+    }
+}
+
+impl Bits for Floor {
+    fn feed(&self, crc: u32) -> u32 {
+        self.height.feed(self.normal.feed(crc))
     }
 }

@@ -1,6 +1,7 @@
 //! The pipeline in single precision.
 
 use super::arithmetic::{Arithmetic, sealed::Sealed};
+use super::digest::Bits;
 use super::{Hypotheses, Params, Report, Settings};
 use crate::descriptor::{self, Descriptor, View};
 use crate::diffusion::diffusion;
@@ -221,5 +222,27 @@ impl Arithmetic for Float {
 
     fn nearest(templates: &Templates<'_>, descriptor: &Descriptor) -> Result<Hypotheses<Self>, Error> {
         Ok(matching::nearest(templates, descriptor)?)
+    }
+
+    fn feed_depth<const W: usize, const H: usize>(images: &FloatImages<W, H>, crc: u32) -> u32 {
+        images.depth.feed(crc)
+    }
+
+    fn feed_ground<const W: usize, const H: usize>(images: &FloatImages<W, H>, crc: u32) -> u32 {
+        images.labels.feed(images.density.feed(crc))
+    }
+
+    fn feed_n<const W: usize, const H: usize>(images: &FloatImages<W, H>, crc: u32) -> u32 {
+        images.n.feed(crc)
+    }
+
+    fn feed_coefficients<const W: usize, const H: usize>(images: &FloatImages<W, H>, crc: u32) -> u32 {
+        images.coefficients.feed(crc)
+    }
+}
+
+impl Bits for Floor {
+    fn feed(&self, crc: u32) -> u32 {
+        self.height.feed(self.normal.feed(crc))
     }
 }

@@ -4,6 +4,7 @@
 //! the same code for both.
 
 mod arithmetic;
+pub mod digest;
 mod fixed;
 mod float;
 pub mod mix;
