@@ -98,7 +98,7 @@ pub fn find<const W: usize, const H: usize>(
     params: &RansacParams,
 ) -> Option<Floor> {
     let mut points: Vec<[f32; 3], MAX_POINTS> = Vec::new();
-    let step = grid_step(W, H);
+    let step = step_of(W, H)?;
     for v in (step / 2..H).step_by(step) {
         for u in (step / 2..W).step_by(step) {
             let z = depth[v][u];
@@ -140,27 +140,20 @@ pub fn find<const W: usize, const H: usize>(
     if (if steep { 5 * score } else { score }) as f32 >= enough { floor } else { None }
 }
 
-/// The step of the regular grid over the image that has at most [`MAX_POINTS`] points.
-pub(super) fn grid_step(width: usize, height: usize) -> usize {
-    (1..width.max(height))
-        .find(|s| width.div_ceil(*s) * height.div_ceil(*s) <= MAX_POINTS)
-        .unwrap_or(width.max(height).max(1))
+/// Distance of the grid's points in pixels.
+pub(super) fn step_of(width: usize, height: usize) -> Option<usize> {
+    (1..).find(|s| width.div_ceil(*s) * height.div_ceil(*s) <= MAX_POINTS)
 }
 
-/// Three points that stand near each other in the grid, by their indices (near points often share a surface, points from
-/// anywhere seldom do); `None` where there are none.
-pub(super) fn triple(random: &mut Random, points: usize, per_row: usize) -> Option<[usize; 3]> {
-    let window = 12 * per_row.max(1);
-    let first = random.below(points)?;
-    let start = first.saturating_sub(window / 2);
-    let length = window.min(points - start);
-    Some([first, start + random.below(length)?, start + random.below(length)?])
-}
-
-/// A plane through three points that stand near each other.
+/// A plane through three points that stand near each other in the grid (near points often share a surface, points
+/// from anywhere seldom do).
 fn sample(points: &[[f32; 3]], random: &mut Random, per_row: usize) -> Option<Floor> {
-    let [a, b, c] = triple(random, points.len(), per_row)?.map(|i| points.get(i));
-    let (a, b, c) = (a?, b?, c?);
+    let window = 12 * per_row.max(1);
+    let first = random.below(points.len())?;
+    let start = first.saturating_sub(window / 2);
+    let length = window.min(points.len() - start);
+    let [a, b, c] =
+        [points.get(first)?, points.get(start + random.below(length)?)?, points.get(start + random.below(length)?)?];
     let side = |p: &[f32; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
     let normal = cross(side(b), side(c));
     let length2 = dot(normal, normal);
@@ -227,7 +220,7 @@ fn refine(points: &[[f32; 3]], mut floor: Floor, params: &RansacParams) -> Floor
 pub(super) struct Random(u32);
 
 impl Random {
-    pub(super) fn new(seed: u32) -> Self {
+    pub(super) const fn new(seed: u32) -> Self {
         Self(seed.wrapping_mul(0x9E37_79B9) | 1)
     }
 

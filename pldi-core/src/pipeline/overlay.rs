@@ -88,7 +88,7 @@ impl<const W: usize, const H: usize> FixedImages<W, H> {
             "the ground map is larger"
         );
         assert!(4 * W * H >= 3 * W * H + size_of::<Plane>(), "N and a view are larger");
-        assert!(W * H <= 320 * 240 && W * H % 4 == 0 && H <= W, "larger than QVGA, or of an odd shape");
+        assert!(W * H <= 320 * 240 && (W * H).is_multiple_of(4) && H <= W, "larger than QVGA, or of an odd shape");
     };
 
     /// Empty images.
@@ -182,10 +182,10 @@ impl<const W: usize, const H: usize> FixedImages<W, H> {
     }
 
     /// The depth, and room for the points of the floor's search.
-    pub(super) fn floor(&mut self) -> Option<(&Image<u16, W, H>, &mut [ransac::Point])> {
+    pub(super) fn floor(&mut self) -> Option<(&Image<u16, W, H>, &mut [ransac::Points])> {
         self.content = Content::Nothing;
         let bytes = self.shared.as_mut_bytes();
-        let (points, _) = <[ransac::Point]>::mut_from_prefix_with_elems(bytes, ransac::MAX_POINTS).ok()?;
+        let (points, _) = <[ransac::Points]>::mut_from_prefix_with_elems(bytes, ransac::SCRATCH).ok()?;
         Some((&self.depth, points))
     }
 

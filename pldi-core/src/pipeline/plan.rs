@@ -113,7 +113,7 @@ pub const BUFFERS: &[Buffer] = &[
     entry("distances from the left, u8", Stage::Filter, Place::Shared, 0, BYTES),
     entry("distances from above, u8", Stage::Filter, Place::Shared, BYTES, BYTES),
     entry("mask weights, u16", Stage::Filter, Place::Shared, 2 * BYTES, 2 * BYTES),
-    entry("points of the search", Stage::Floor, Place::Shared, 0, ransac::MAX_POINTS * size_of::<ransac::Point>()),
+    entry("points of the search", Stage::Floor, Place::Shared, 0, ransac::SCRATCH * size_of::<ransac::Points>()),
     entry("labels of pixels, u8", Stage::GroundAndViews, Place::Shared, 0, BYTES),
     entry("counts, u16", Stage::Density, Place::Shared, BYTES, 2 * MAP),
     entry("marks, u8", Stage::Ground, Place::Shared, BYTES, MAP),

@@ -44,7 +44,7 @@ impl DistanceTable {
         let n = if n > MAX_ITERATIONS as u32 { MAX_ITERATIONS as u32 } else { n };
         // rate = sqrt(2) / sigma_H of the first iteration = sqrt(2/3) sqrt(4^N - 1) / (ss 2^(N-1)), Q24: at most 4.
         let root = (((1u64 << (2 * n)) - 1) << 40).isqrt();
-        let rate = ((ROOT_OF_TWO_THIRDS * root) >> 12) / (space << (n - 1)) | 1;
+        let rate = (((ROOT_OF_TWO_THIRDS * root) >> 12) / (space << (n - 1))) | 1;
         // Distances in Q24.
         let colour = (space << 24) / params.sigma_colour as u64;
         let mm = (space << 15) / params.sigma_depth as u64;
