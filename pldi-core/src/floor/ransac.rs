@@ -13,8 +13,9 @@ pub(super) const MAX_POINTS: usize = 2200;
 pub(super) const FINALISTS: usize = 3;
 
 /// Rounds of refinement by least squares over the points within so many tolerances of the plane: from wide to narrow,
-/// because a sampled plane is tilted by its points' noise, and in the end the feet of walls should not tilt it.
-pub(super) const REACHES: [f32; 4] = [2.0, 1.0, 0.6, 0.6];
+/// because a sampled plane is tilted by its points' noise, and in the end the feet of walls should not tilt it. The last
+/// rounds bring the plane to rest: then it does not depend on which sample it came from.
+pub(super) const REACHES: [f32; 8] = [2.0, 1.0, 0.6, 0.6, 0.6, 0.6, 0.6, 0.6];
 
 /// Parameters of the floor's search.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,7 +14,7 @@ use crate::floor::ransac::{FINALISTS, MAX_POINTS, Random, step_of};
 use crate::rays::fixed::Rays;
 
 /// [`crate::floor::ransac::REACHES`] in fifths.
-const REACHES: [i32; 4] = [10, 5, 3, 3];
+const REACHES: [i32; 8] = [10, 5, 3, 3, 3, 3, 3, 3];
 
 /// Blocks that the scratch of [`find`] should have.
 pub const SCRATCH: usize = MAX_POINTS.div_ceil(BLOCK);
