@@ -1,7 +1,7 @@
 //! What one arithmetic has made, in the numbers of the other: so that hosts look at both with the same eyes, and stages of
 //! the two can follow each other where one wants to know which of them makes a difference.
 //!
-//! ```
+//! ```no_run
 //! # use pldi_core::pipeline::{FixedParams, Params, QvgaFixedPipeline, QvgaFixedWorkspace, QvgaPipeline, QvgaWorkspace, mix};
 //! # use pldi_core::{Frame, Intrinsics, rays};
 //! # let params = Params::DEFAULT;
