@@ -7,6 +7,7 @@ mod ci;
 mod conformance;
 mod elf;
 mod golden;
+mod instructions;
 mod nofloat;
 mod nostd;
 mod process;
@@ -26,6 +27,7 @@ Tasks:
   ci                everything below, after formatting, lints, documentation and tests: what CI runs
   nostd             pldi-core for microcontrollers, with and without its features
   nofloat           that the pipeline in integers needs no float routine
+  instructions      counts the instructions of each stage in both arithmetics (valgrind); not part of ci
   size              prints the memory plan of the pipeline in integers, compares it with docs/memory.md
   size --renew      writes docs/memory.md anew
   golden            makes the committed golden data anew
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         ["ci"] => ci::run(&mut report),
         ["nostd"] => nostd::run(&mut report),
         ["nofloat"] => nofloat::run(&mut report),
+        ["instructions"] => instructions::run(&mut report),
         ["size"] => size::run(&mut report, golden::Mode::Check),
         ["size", "--renew"] => size::run(&mut report, golden::Mode::Renew),
         ["golden"] => golden::run(&mut report, golden::Mode::Renew),
