@@ -149,8 +149,9 @@ fn inputs_that_are_no_recordings() {
 
 /// A template file of a few views.
 fn small_set(descriptor: DescriptorKind) -> Vec<u8> {
-    let view = |view: u16| View { object: view % 2, view, descriptor: [0.01 * f32::from(view + 1); LENGTH] };
-    let set = TemplateSet {
+    let view =
+        |view: u16| -> View { View { object: view % 2, view, descriptor: [0.01 * f32::from(view + 1); LENGTH] } };
+    let set: TemplateSet = TemplateSet {
         view: ViewParams { descriptor, ..ViewParams::DEFAULT },
         distance: 2.0,
         height: 1.2,

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::{copy, folder, names, pldi, real_recordings, recording};
 use pldi_core::matching::canberra;
-use pldi_core::templates::Templates;
+use pldi_core::templates::{Encoding, Templates};
 use pldi_host::templates::fixed_file;
 use serde_json::Value;
 
@@ -15,11 +15,41 @@ fn read_json(path: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
 }
 
+fn descriptor(values: &Value) -> [f32; 58] {
+    let values: Vec<f32> = values.as_array().unwrap().iter().map(|v| v.as_f64().unwrap() as f32).collect();
+    values.try_into().unwrap()
+}
+
+#[test]
+fn stages_of_both_arithmetics_look_alike() {
+    let out = folder();
+    let stages = |arithmetic: &str| {
+        let to = out.path().join(arithmetic);
+        pldi(arguments!["stages", *recording(), "--frame", "1", "--arithmetic", arithmetic, "--out", to]).ok();
+        let pixels = |name: &str| image::open(to.join(name)).unwrap().into_luma16().into_raw();
+        (names(&to), ["filtered.png", "n.png", "map.png", "clusters.png"].map(pixels))
+    };
+    let (float, fixed) = (stages("float"), stages("fixed"));
+    assert_eq!(float.0, fixed.0);
+    // 2 mm; a hundredth of N; of white; the same cluster. N of ragged neighbourhoods depends on every point's last bit.
+    let limits = [("depth", 16, 5), ("N", 655, 15), ("density", 655, 5), ("clusters", 0, 1)];
+    for ((a, b), (name, step, per_mille)) in float.1.iter().zip(&fixed.1).zip(limits) {
+        let far = a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > step).count();
+        assert!(1000 * far <= per_mille * a.len() && a.iter().any(|v| *v > 0), "{name}: {far} of {}", a.len());
+    }
+}
+
 #[test]
 fn stages_writes_all_files_and_its_descriptors_are_those_of_the_views() {
+    for arithmetic in ["float", "fixed"] {
+        check_stages(arithmetic);
+    }
+}
+
+fn check_stages(arithmetic: &str) {
     let out = folder();
     let written = out.path().join("stages");
-    pldi(arguments!["stages", *recording(), "--frame", "1", "--out", written]).ok();
+    pldi(arguments!["stages", *recording(), "--frame", "1", "--arithmetic", arithmetic, "--out", written]).ok();
     let candidates = read_json(&written.join("candidates.json"));
     let mut expected: Vec<String> =
         ["candidates.json", "clusters.png", "filtered.png", "map.png", "n.png"].map(str::to_owned).to_vec();
@@ -34,7 +64,13 @@ fn stages_writes_all_files_and_its_descriptors_are_those_of_the_views() {
             let view = written.join(format!("view_{id}.png"));
             let described = pldi(arguments!["describe", view, "--descriptor", kind]).ok().json();
             assert_eq!(described["descriptor"], kind);
-            assert_eq!(described["values"], descriptors[kind], "{kind} {id}");
+            if arithmetic == "float" {
+                assert_eq!(described["values"], descriptors[kind], "{kind} {id}");
+            } else {
+                // Codes, of a view without its bits below a unit: small numbers' ratios are what differs.
+                let [a, b] = [&described["values"], &descriptors[kind]].map(descriptor);
+                assert!(canberra(&a, &b) < 0.5, "{kind} {id}: {}", canberra(&a, &b));
+            }
         }
         seen += 1;
     }
@@ -217,6 +253,79 @@ fn templates_are_converted_for_fixed_point() {
         let evaluated = pldi(arguments!["templates", "evaluate", out.path().join(file)]).ok();
         assert!(String::from_utf8(evaluated.stdout).unwrap().contains("macro averages"));
     }
+}
+
+/// What integers make of a mesh is nearly what floats make of it, and each arithmetic searches what it can read.
+#[test]
+fn templates_are_computed_in_integers() {
+    let out = folder();
+    let mesh = out.path().join("shelf.off");
+    std::fs::write(&mesh, off()).unwrap();
+    for noise in [false, true] {
+        let [float, fixed] = ["float", "fixed"].map(|arithmetic| {
+            let file = out.path().join(format!("{arithmetic}{noise}"));
+            let mut line =
+                arguments!["templates", "build", mesh, "--class", "shelf", "--views", "3", "-o", file].to_vec();
+            line.extend(arguments!["--arithmetic", arithmetic]);
+            line.extend((!noise).then(|| "--noise-free".into()));
+            pldi(line).ok();
+            std::fs::read(file).unwrap()
+        });
+        let [a, b] = [&float, &fixed].map(|bytes| Templates::parse(bytes).unwrap());
+        assert_eq!((a.encoding(), b.encoding()), (Encoding::Float, Encoding::Logarithmic));
+        assert_eq!((a.len(), a.view_params()), (b.len(), b.view_params()));
+        for (a, b) in a.iter().zip(b.iter()) {
+            let distance = canberra(&a.descriptor(), &b.descriptor());
+            assert!(
+                (a.class(), a.object(), a.view()) == (b.class(), b.object(), b.view()) && distance < 3.0,
+                "{distance}"
+            );
+        }
+    }
+    let coded = out.path().join("fixedfalse");
+    let run = |more: &[&str]| {
+        pldi(arguments!["run", *recording(), "--templates", coded].iter().cloned().chain(more.iter().map(Into::into)))
+    };
+    let lines = run(&["--arithmetic", "fixed"]).ok().lines();
+    let (detections, classes) = (&lines[1]["detections"], &lines[1]["detections"][0]["results"][0]["class_id"]);
+    assert!(!detections.as_array().unwrap().is_empty() && classes == "shelf", "{detections}");
+    let info = String::from_utf8(pldi(arguments!["templates", "info", coded]).ok().stdout).unwrap();
+    assert!(info.contains(&format!("CRC-32 {}", lines[0]["templates"].as_str().unwrap())), "{info}");
+    let outcome = run(&[]);
+    assert!(outcome.code == Some(2) && outcome.stdout.is_empty(), "{}", outcome.stderr);
+    for part in ["fixedfalse", "16-bit logarithms", "32-bit floats"] {
+        assert!(outcome.stderr.contains(part), "{}", outcome.stderr);
+    }
+    let outcome =
+        pldi(arguments!["templates", "build", mesh, "--class", "x", "-o", coded, "--fixed", "--arithmetic", "fixed"]);
+    assert_eq!(outcome.code, Some(2), "{}", outcome.stderr);
+}
+
+#[test]
+fn the_exact_filter_is_not_to_be_had_in_integers() {
+    let out = folder();
+    for line in [
+        arguments!["run", *recording()].to_vec(),
+        arguments!["stages", *recording(), "--out", out.path()].to_vec(),
+        arguments!["trial", "--rooms", "1", "--frames", "1"].to_vec(),
+        arguments!["demo", "--out", out.path().join("demo")].to_vec(),
+    ] {
+        let more = ["--arithmetic", "fixed", "--filter", "exact"].map(Into::into);
+        let outcome = pldi(line.iter().chain(&more));
+        assert!(outcome.code == Some(2) && outcome.stdout.is_empty(), "{line:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains("--filter exact"), "{line:?}: {}", outcome.stderr);
+    }
+    assert!(names(out.path()).is_empty());
+}
+
+#[test]
+fn bench_compares_the_arithmetics() {
+    let table = String::from_utf8(pldi(arguments!["bench", *recording(), "--budget", "0.01"]).ok().stdout).unwrap();
+    let row = table.lines().find(|line| line.starts_with("whole frame")).expect("a row for the whole frame");
+    let numbers: Vec<f64> = row["whole frame".len()..].split_whitespace().map(|n| n.parse().unwrap()).collect();
+    let [a, _, b, _, ratio] = numbers[..] else { panic!("{row}") };
+    assert!(a > 0.0 && b > 0.0 && (ratio - b / a).abs() < 0.02, "{row}");
+    assert!(table.contains("reconstruct") && table.contains("nearest templates"), "{table}");
 }
 
 #[test]

@@ -29,7 +29,10 @@ fn lines_have_the_promised_form() {
     assert_eq!(lines.len(), 3);
     let mut detections = 0;
     for (i, line) in lines.iter().enumerate() {
-        assert_eq!(keys(line), ["detections", "floor", "frame", "params", "rejected", "stamp", "templates", "version"]);
+        let expected =
+            ["arithmetic", "detections", "floor", "frame", "params", "rejected", "stamp", "templates", "version"];
+        assert_eq!(keys(line), expected);
+        assert_eq!(line["arithmetic"], "float");
         assert_eq!((line["frame"].as_u64(), line["stamp"].as_f64()), (Some(i as u64), Some(i as f64 * 0.2)));
         assert!(hexadecimal(&line["params"]) && hexadecimal(&line["templates"]), "{line}");
         assert_eq!(line["version"], env!("CARGO_PKG_VERSION"));
@@ -51,6 +54,41 @@ fn lines_have_the_promised_form() {
         }
     }
     assert!(detections >= 3, "the frames show six objects that stand free");
+}
+
+/// The clusters, by the middle of their boxes in the image, and what they are.
+fn found(line: &Value) -> Vec<([f64; 2], String)> {
+    let middle = |cluster: &Value| {
+        let [u0, v0, u1, v1] = numbers::<4>(&cluster["bbox"]);
+        [0.5 * (u0 + u1), 0.5 * (v0 + v1)]
+    };
+    let class = |d: &Value| d["results"][0]["class_id"].as_str().unwrap().to_owned();
+    line["detections"].as_array().unwrap().iter().map(|d| (middle(d), class(d))).collect()
+}
+
+#[test]
+fn integers_find_what_floats_find() {
+    let input = recording();
+    let overlay = folder();
+    let float = pldi(arguments!["run", *input]).ok().lines();
+    let fixed = pldi(arguments!["run", *input, "--arithmetic", "fixed", "--overlay", overlay.path()]).ok();
+    assert_eq!(names(overlay.path()).len(), 3);
+    let one = pldi(arguments!["run", *input, "--arithmetic", "fixed", "--threads", "1"]).ok();
+    assert!(fixed.stdout == one.stdout, "the number of threads changes nothing");
+    for (a, b) in float.iter().zip(fixed.lines()) {
+        assert_eq!((keys(a), &a["params"], &b["arithmetic"]), (keys(&b), &b["params"], &"fixed".into()));
+        let height = |line: &Value| line["floor"]["height"].as_f64().unwrap();
+        assert!((height(a) - height(&b)).abs() < 0.01, "{a} {b}");
+        let (float, fixed) = (found(a), found(&b));
+        assert_eq!(float.len(), fixed.len(), "{a} {b}");
+        for ((at, class), (near, same)) in float.iter().zip(&fixed) {
+            assert!((at[0] - near[0]).abs() <= 6.0 && (at[1] - near[1]).abs() <= 6.0, "{at:?} {near:?}");
+            assert_eq!(class, same, "{a} {b}");
+        }
+        for detection in b["detections"].as_array().unwrap() {
+            check_detection(detection);
+        }
+    }
 }
 
 fn check_detection(detection: &Value) {
@@ -78,9 +116,15 @@ fn check_box(bbox: &Value) {
 
 #[test]
 fn numbers_of_clusters_are_those_of_the_stages() {
-    let lines = pldi(arguments!["run", *recording()]).ok().lines();
+    for arithmetic in ["float", "fixed"] {
+        compare_with_stages(arithmetic);
+    }
+}
+
+fn compare_with_stages(arithmetic: &str) {
+    let lines = pldi(arguments!["run", *recording(), "--arithmetic", arithmetic]).ok().lines();
     let out = folder();
-    pldi(arguments!["stages", *recording(), "--frame", "1", "--out", out.path()]).ok();
+    pldi(arguments!["stages", *recording(), "--frame", "1", "--arithmetic", arithmetic, "--out", out.path()]).ok();
     let stages: Value = serde_json::from_slice(&std::fs::read(out.path().join("candidates.json")).unwrap()).unwrap();
     let of = |candidate: bool, key: &str| -> Vec<Value> {
         let all = stages["clusters"].as_array().unwrap().iter();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pldi_core::Params;
-use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
+use pldi_core::pipeline::QvgaWorkspace;
 use pldi_core::templates::Templates;
 use pldi_fixtures::{Recording as Generated, TumWriter};
 
@@ -12,7 +12,7 @@ use crate::overlay::{self, Canvas};
 use crate::report::FrameReport;
 use crate::runner::{self, Processed};
 use crate::trial::{FrameTruth, Verdict, judge};
-use crate::{Error, parallel};
+use crate::{ArithmeticKind, Engine, Error, parallel};
 
 /// The name in the recording's files.
 const NAME: &str = "pldi demo";
@@ -62,6 +62,7 @@ pub fn write(folder: &Path, threads: usize, done: impl Fn() -> bool + Sync) -> R
 pub fn recognise<E: From<Error>>(
     recording: &Recording,
     truth: &[FrameTruth],
+    arithmetic: ArithmeticKind,
     params: &Params,
     templates: &Templates<'_>,
     threads: usize,
@@ -71,12 +72,12 @@ pub fn recognise<E: From<Error>>(
         let original = recording.original(seen.frame.index)?;
         let picture = overlay::draw(seen, &original, templates).to_png()?;
         let verdicts = match truth.get(seen.frame.index) {
-            Some(truth) => judge(truth, &seen.frame.depth, seen.pipeline, templates, seen.workspace),
+            Some(truth) => judge(truth, &seen.frame.depth, seen.engine, templates, seen.workspace),
             None => Ok(Default::default()),
         };
         Ok((verdicts.map_err(Error::core)?.0, picture))
     };
-    runner::run(recording, params, templates, threads, look, |i, result| {
+    runner::run(recording, arithmetic, params, templates, threads, look, |i, result| {
         let runner::FrameResult { report, extra: (verdicts, picture) } = result?;
         sink(i, Shown { report, verdicts, picture })
     })
@@ -90,19 +91,20 @@ pub fn recognise<E: From<Error>>(
 pub fn composite(
     recording: &Recording,
     index: usize,
+    arithmetic: ArithmeticKind,
     params: &Params,
     templates: &Templates<'_>,
 ) -> Result<Canvas, Error> {
     let frame = recording.frame(index)?;
-    let pipeline = QvgaPipeline::new(params, &frame.intrinsics).map_err(Error::core)?;
+    let mut engine = Engine::new(arithmetic, params, &frame.intrinsics)?;
     let mut workspace = Box::new(QvgaWorkspace::new());
-    pipeline.run(&frame.as_frame().map_err(Error::core)?, templates, &mut workspace).map_err(Error::core)?;
-    let report = FrameReport::new(&frame, &workspace.report, params, templates);
-    let seen = Processed { frame: &frame, pipeline: &pipeline, workspace: &workspace, report: &report };
+    engine.run(&frame.as_frame().map_err(Error::core)?, templates, &mut workspace)?;
+    let report = FrameReport::new(&frame, &workspace.report, &engine, templates);
+    let seen = Processed { frame: &frame, engine: &engine, workspace: &workspace, report: &report };
     let mut original = recording.original(index)?;
     original.colour = original.colour.map(|rgb| calm(&rgb, original.size.0.into()));
     let right = overlay::draw(&seen, &original, templates);
-    pipeline.diffuse_all(&mut workspace);
+    engine.diffuse_all(&mut workspace);
     let (width, height) = right.dimensions();
     let mut canvas = Canvas::new(320 + width, height);
     let colour = frame.colour.as_deref().map(|rgb| calm(rgb, 320)).unwrap_or_default();

@@ -6,7 +6,7 @@
 //! use pldi_core::Params;
 //! use pldi_core::templates::Templates;
 //! use pldi_host::input::{OpenOptions, Recording};
-//! use pldi_host::{runner, templates};
+//! use pldi_host::{ArithmeticKind, runner, templates};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let folder = tempfile::tempdir()?;
@@ -20,7 +20,8 @@
 //! let set = Templates::parse(templates::EMBEDDED)?;
 //! let params = Params { view: *set.view_params(), ..Params::DEFAULT };
 //! let mut found = 0;
-//! runner::run::<_, pldi_host::Error>(&recording, &params, &set, 1, |_| Ok(()), |index, result| {
+//! let arithmetic = ArithmeticKind::Float;
+//! runner::run::<_, pldi_host::Error>(&recording, arithmetic, &params, &set, 1, |_| Ok(()), |index, result| {
 //!     for detection in &result?.report.detections {
 //!         println!("frame {index}: {} at {:?}", detection.results[0].class_id, detection.center);
 //!         found += 1;
@@ -33,10 +34,12 @@
 //! ```
 
 pub mod demo;
+pub mod engine;
 pub mod error;
 pub mod input;
 pub mod inspect;
 pub mod mesh;
+pub mod numbers;
 pub mod output;
 pub mod overlay;
 pub mod parallel;
@@ -46,4 +49,6 @@ pub mod stages;
 pub mod templates;
 pub mod trial;
 
+pub use engine::Engine;
 pub use error::Error;
+pub use numbers::{ArithmeticKind, Numbers};

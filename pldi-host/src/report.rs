@@ -1,11 +1,12 @@
 //! What `pldi run` says about a frame: one JSON object, which maps one to one on ROS' `Detection3DArray`.
 
 use pldi_core::matching::Hypothesis;
-use pldi_core::pipeline::{Params, Report};
+use pldi_core::pipeline::Report;
 use pldi_core::templates::Templates;
 use serde::{Deserialize, Serialize};
 
 use crate::input::QvgaFrame;
+use crate::{ArithmeticKind, Engine};
 
 /// A frame's line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,8 +23,10 @@ pub struct FrameReport {
     pub rejected: Vec<RejectedReport>,
     /// CRC-32 of all parameters, 8 hexadecimal digits: lines with equal ones were made with equal parameters.
     pub params: String,
-    /// CRC-32 of the template file, 8 hexadecimal digits.
+    /// CRC-32 of the template file, 8 hexadecimal digits; of the file of codes where one of floats was converted.
     pub templates: String,
+    /// What was computed in: `float` or `fixed`.
+    pub arithmetic: ArithmeticKind,
     /// Version of this crate.
     pub version: String,
 }
@@ -82,7 +85,7 @@ pub struct RejectedReport {
 
 impl FrameReport {
     /// The line for what the core says about a frame.
-    pub fn new(frame: &QvgaFrame, report: &Report, params: &Params, templates: &Templates<'_>) -> Self {
+    pub fn new(frame: &QvgaFrame, report: &Report, engine: &Engine, templates: &Templates<'_>) -> Self {
         let bbox = |cluster: usize| original_box(report.clusters[cluster].bbox, frame.factor);
         let detections = report.detections.iter().filter(|d| usize::from(d.cluster) < report.clusters.len()).map(|d| {
             let i = usize::from(d.cluster);
@@ -106,8 +109,9 @@ impl FrameReport {
             floor: report.floor.map(|f| FloorReport { normal: f.normal, height: f.height }),
             detections: detections.collect(),
             rejected: rejected.collect(),
-            params: format!("{:08x}", params.hash()),
+            params: format!("{:08x}", engine.params().hash()),
             templates: format!("{:08x}", templates.checksum()),
+            arithmetic: engine.kind(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
         }
     }

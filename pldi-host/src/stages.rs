@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use pldi_core::descriptor::{DescriptorKind, from_coefficients};
+use pldi_core::Frame;
 use pldi_core::ground::{CELL, MAP_DEPTH, MAP_WIDTH};
-use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
+use pldi_core::pipeline::QvgaWorkspace;
 use pldi_core::wavelet::SIZE;
-use pldi_core::{Floor, Frame};
 use serde_json::{Value, json};
 
-use crate::Error;
+use crate::numbers::eighths;
 use crate::output::{atomic, png};
+use crate::{Engine, Error};
 
 /// Size of the core's frames.
 const QVGA: (u32, u32) = (320, 240);
@@ -30,37 +30,32 @@ const QVGA: (u32, u32) = (320, 240);
 /// # Errors
 /// `Write`, and what the core says.
 pub fn write(
-    pipeline: &QvgaPipeline,
+    engine: &mut Engine,
     frame: &Frame<'_, 320, 240>,
     workspace: &mut QvgaWorkspace,
     folder: &Path,
 ) -> Result<(), Error> {
-    workspace.report.clear();
-    pipeline.reconstruct(frame, workspace);
-    png::write_grey16(&folder.join("filtered.png"), QVGA, &eighths(workspace))?;
-    let floor = pipeline.find_floor(workspace);
-    if let Some(floor) = &floor {
-        pipeline.find_candidates(floor, workspace).map_err(Error::core)?;
-        write_map(pipeline, workspace, folder)?;
+    engine.reconstruct(frame, workspace);
+    // Exact where the depth was in 1/8 mm already.
+    let depth: Vec<u16> = workspace.images.depth.as_flattened().iter().map(|z| eighths(*z)).collect();
+    png::write_grey16(&folder.join("filtered.png"), QVGA, &depth)?;
+    if engine.find_floor(workspace).is_some() {
+        engine.find_candidates(workspace)?;
+        write_map(engine, workspace, folder)?;
+        engine.diffuse_candidates(workspace);
         for i in 0..workspace.report.clusters.len() {
             if workspace.report.clusters[i].rejection.is_none() {
-                pipeline.diffuse_candidates(workspace);
-                write_candidate(pipeline, i, floor, workspace, folder)?;
+                write_candidate(engine, i, workspace, folder)?;
             }
         }
     }
     atomic::write_json(&folder.join("candidates.json"), &candidates(workspace))?;
-    pipeline.diffuse_all(workspace);
+    engine.diffuse_all(workspace);
     png::write_grey16(&folder.join("n.png"), QVGA, workspace.images.n.as_flattened())
 }
 
-/// The reconstructed depth in 1/8 mm, rounded to nearest, saturated.
-fn eighths(workspace: &QvgaWorkspace) -> Vec<u16> {
-    workspace.images.depth.as_flattened().iter().map(|z| (z * 8000.0 + 0.5) as u16).collect()
-}
-
-fn write_map(pipeline: &QvgaPipeline, workspace: &QvgaWorkspace, folder: &Path) -> Result<(), Error> {
-    let white = 4.0 * pipeline.params().density.threshold.max(1e-6);
+fn write_map(engine: &Engine, workspace: &QvgaWorkspace, folder: &Path) -> Result<(), Error> {
+    let white = 4.0 * engine.params().density.threshold.max(1e-6);
     let map: Vec<u8> =
         workspace.images.density.iter().rev().flatten().map(|d| (d / white * 255.0).min(255.0) as u8).collect();
     png::write_grey8(&folder.join("map.png"), (MAP_WIDTH as u32, MAP_DEPTH as u32), &map)?;
@@ -70,25 +65,18 @@ fn write_map(pipeline: &QvgaPipeline, workspace: &QvgaWorkspace, folder: &Path) 
 }
 
 fn write_candidate(
-    pipeline: &QvgaPipeline,
+    engine: &mut Engine,
     cluster: usize,
-    floor: &Floor,
     workspace: &mut QvgaWorkspace,
     folder: &Path,
 ) -> Result<(), Error> {
-    if pipeline.describe(cluster, floor, workspace).is_none() {
-        return Ok(());
-    }
+    let Some(descriptors) = engine.describe(cluster, workspace) else { return Ok(()) };
     let file = |name: &str, ending: &str| folder.join(format!("{name}_{}.{ending}", cluster + 1));
     png::write_grey16(&file("view", "png"), (SIZE as u32, SIZE as u32), workspace.images.view.as_flattened())?;
     let bytes: Vec<u8> = workspace.images.coefficients.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
     atomic::write_bytes(&file("dwt", "f32"), &bytes)?;
-    let numbers = |kind| from_coefficients(&workspace.images.coefficients, kind).to_vec();
-    let descriptors = json!({
-        "paper": numbers(DescriptorKind::Paper),
-        "halves": numbers(DescriptorKind::Halves),
-    });
-    atomic::write_json(&file("descriptor", "json"), &descriptors)
+    let numbers = json!({ "paper": descriptors.paper.to_vec(), "halves": descriptors.halves.to_vec() });
+    atomic::write_json(&file("descriptor", "json"), &numbers)
 }
 
 /// The floor and the clusters.

@@ -2,7 +2,7 @@
 
 mod judge;
 
-use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
+use pldi_core::pipeline::QvgaWorkspace;
 use pldi_core::templates::Templates;
 use pldi_core::{Frame, Params};
 use pldi_fixtures::rng::{Rng, derive};
@@ -10,7 +10,7 @@ use pldi_fixtures::{Class, Drive, HELD_OUT_SEEDS, RecordedFrame, Recording, Room
 
 use crate::input::reduce;
 use crate::templates::Confusion;
-use crate::{Error, parallel};
+use crate::{ArithmeticKind, Engine, Error, parallel};
 
 pub use judge::{FrameTruth, Standing, Verdict, judge};
 
@@ -87,23 +87,25 @@ impl Outcome {
 }
 
 impl Trial {
-    /// Runs the trial; `done` is called after each room (from several threads) and stops the work by returning `false`.
+    /// Runs the trial in floats or integers; `done` is called after each room (from several threads) and stops the work by returning `false`.
     ///
     /// # Errors
-    /// What the core says; `Interrupted`.
+    /// As [`Engine::new`] and [`Engine::run`]; `Interrupted`.
     pub fn run(
         &self,
+        arithmetic: ArithmeticKind,
         params: &Params,
         templates: &Templates<'_>,
         threads: usize,
         done: impl Fn() -> bool + Sync,
     ) -> Result<Outcome, Error> {
+        Engine::check(arithmetic, params)?;
         let rooms = parallel::map_ordered(
             self.rooms as usize,
             threads,
             || Box::new(QvgaWorkspace::new()),
             |workspace, room| {
-                let outcome = self.room(room as u32, params, templates, workspace)?;
+                let outcome = self.room(room as u32, arithmetic, params, templates, workspace)?;
                 if done() { Ok(outcome) } else { Err(Error::Interrupted) }
             },
         )?;
@@ -143,6 +145,7 @@ impl Trial {
     fn room(
         &self,
         room: u32,
+        arithmetic: ArithmeticKind,
         params: &Params,
         templates: &Templates<'_>,
         workspace: &mut QvgaWorkspace,
@@ -150,14 +153,14 @@ impl Trial {
         let recording = self.recording(room);
         let mut outcome = Outcome { sightings: Vec::new(), strays: 0, frames: 0 };
         let intrinsics = recording.sensor.intrinsics.reduced(2).map_err(Error::core)?;
-        let pipeline = QvgaPipeline::new(params, &intrinsics).map_err(Error::core)?;
+        let mut engine = Engine::new(arithmetic, params, &intrinsics)?;
         for (i, frame) in recording.frames().enumerate() {
             let RecordedFrame { capture, truth, camera, .. } = frame;
             let seen = FrameTruth::new(truth, camera, &capture, 2);
             let (depth, colour) = reduce(&capture.depth, capture.colour, 2);
             let qvga = Frame::new(&depth, Some(&colour)).map_err(Error::core)?;
-            pipeline.run(&qvga, templates, workspace).map_err(Error::core)?;
-            let (verdicts, strays) = judge(&seen, &depth, &pipeline, templates, workspace).map_err(Error::core)?;
+            engine.run(&qvga, templates, workspace)?;
+            let (verdicts, strays) = judge(&seen, &depth, &engine, templates, workspace).map_err(Error::core)?;
             let whole = verdicts.into_iter().filter(|v| v.standing == Standing::Whole);
             outcome.sightings.extend(whole.map(|verdict| Sighting { room, frame: i, verdict }));
             outcome.strays += strays;

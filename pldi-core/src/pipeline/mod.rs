@@ -100,12 +100,26 @@ impl<A: Arithmetic, const W: usize, const H: usize> Pipeline<A, W, H> {
         workspace.report.clear();
         let Some(floor) = self.find_floor(workspace) else { return Ok(()) };
         self.find_candidates(&floor, workspace)?;
+        self.classify(&floor, templates, workspace)
+    }
+
+    /// The stages after the third: from the candidates to the detections, which are added to the report.
+    ///
+    /// # Errors
+    /// As [`Pipeline::run`].
+    pub fn classify(
+        &self,
+        floor: &A::Floor,
+        templates: &Templates<'_>,
+        workspace: &mut Workspace<A, W, H>,
+    ) -> Result<(), Error> {
+        A::require(&self.params, templates)?;
         self.diffuse_candidates(workspace);
         for i in 0..workspace.report.clusters.len() {
             if workspace.report.clusters.get(i).is_none_or(|cluster| cluster.rejection.is_some()) {
                 continue;
             }
-            let Some(descriptor) = self.describe(i, &floor, workspace) else { continue };
+            let Some(descriptor) = self.describe(i, floor, workspace) else { continue };
             let hypotheses = A::nearest(templates, &descriptor)?;
             let detection = Detection { cluster: i as u16, descriptor, hypotheses };
             workspace.report.detections.push(detection).map_err(|_| Error::Capacity("detections"))?;
@@ -147,6 +161,12 @@ impl<A: Arithmetic, const W: usize, const H: usize> Pipeline<A, W, H> {
         A::frame_view(self.settings(), cluster, floor, &mut workspace.images, &workspace.report)
     }
 
+    /// Sixth and seventh stage: wavelet and descriptor of the view that [`Pipeline::frame_view`] left. Once only: in
+    /// integers, the coefficients take the view's place.
+    pub fn describe_view(&self, workspace: &mut Workspace<A, W, H>) -> A::Descriptor {
+        A::describe_view(self.settings(), &mut workspace.images)
+    }
+
     /// Fifth to seventh stage: view, wavelet and descriptor of a cluster; `None` where it has no pixels.
     pub fn describe(
         &self,
@@ -155,7 +175,7 @@ impl<A: Arithmetic, const W: usize, const H: usize> Pipeline<A, W, H> {
         workspace: &mut Workspace<A, W, H>,
     ) -> Option<A::Descriptor> {
         self.frame_view(cluster, floor, workspace)?;
-        Some(A::describe_view(self.settings(), &mut workspace.images))
+        Some(self.describe_view(workspace))
     }
 
     /// The descriptor of pixels that are known to be one object: those of the reconstructed depth where `mask` holds.

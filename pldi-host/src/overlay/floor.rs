@@ -47,9 +47,9 @@ pub(super) fn draw(canvas: &mut Canvas, processed: &Processed<'_>, templates: &T
     let Ok(()) = whole.into_styled(PrimitiveStyle::with_fill(GROUND)).draw(canvas);
     head(canvas, processed, templates);
     let Some(floor) = &processed.workspace.report.floor else { return };
-    let pipeline = processed.pipeline;
+    let engine = processed.engine;
     density(canvas, processed);
-    let area = SensoryArea::new(&pipeline.params().area, pipeline.rays().intrinsics(), floor);
+    let area = SensoryArea::new(&engine.params().area, engine.intrinsics(), floor);
     rings(canvas, &area);
     contours(canvas, processed);
     sensor(canvas);
@@ -83,7 +83,7 @@ fn head(canvas: &mut Canvas, processed: &Processed<'_>, templates: &Templates<'_
 
 /// The density in grey, white from four times the threshold on.
 fn density(canvas: &mut Canvas, processed: &Processed<'_>) {
-    let white = 4.0 * processed.pipeline.params().density.threshold.max(1e-6);
+    let white = 4.0 * processed.engine.params().density.threshold.max(1e-6);
     for (row, line) in processed.workspace.images.density.iter().enumerate() {
         for (column, &density) in line.iter().enumerate() {
             let light = (density / white).clamp(0.0, 1.0) * LIGHTEST;

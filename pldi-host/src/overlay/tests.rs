@@ -6,9 +6,9 @@ use pldi_core::pipeline::Params;
 use pldi_core::templates::Templates;
 
 use super::*;
-use crate::Error;
 use crate::input::{FrameSource, QvgaFrame};
 use crate::runner;
+use crate::{ArithmeticKind, Error};
 
 /// A box at 3 m on a floor before a wall at 5 m, or nothing at all.
 struct Toy {
@@ -36,8 +36,9 @@ impl FrameSource for Toy {
     }
 }
 
-fn drawn(toy: &Toy) -> (FrameReport, Canvas) {
-    let set = Templates::parse(crate::templates::EMBEDDED).unwrap();
+fn drawn(toy: &Toy, arithmetic: ArithmeticKind) -> (FrameReport, Canvas) {
+    let bytes = crate::templates::for_arithmetic(crate::templates::EMBEDDED.into(), arithmetic).unwrap();
+    let set = Templates::parse(&bytes).unwrap();
     let params = Params { view: *set.view_params(), ..Params::DEFAULT };
     let result = Mutex::new(None);
     let look = |p: &Processed<'_>| Ok(draw(p, &toy.original(0)?, &set));
@@ -45,7 +46,7 @@ fn drawn(toy: &Toy) -> (FrameReport, Canvas) {
         *result.lock().unwrap() = Some(r?);
         Ok::<_, Error>(true)
     };
-    runner::run(toy, &params, &set, 1, look, sink).unwrap();
+    runner::run(toy, arithmetic, &params, &set, 1, look, sink).unwrap();
     let result = result.into_inner().unwrap().unwrap();
     (result.report, result.extra)
 }
@@ -60,19 +61,21 @@ fn count(canvas: &Canvas, colour: Rgb888, columns: std::ops::Range<usize>) -> us
 
 #[test]
 fn a_candidate_has_its_colour_on_both_sides() {
-    let (report, canvas) = drawn(&Toy { empty: false });
-    assert_eq!(report.detections.len(), 1, "{report:?}");
-    assert_eq!(canvas.dimensions(), SIZE);
-    assert!(count(&canvas, COLOURS[0], 0..640) > 300);
-    assert!(count(&canvas, COLOURS[0], 640..1152) > 100);
-    assert_eq!(count(&canvas, COLOURS[1], 0..1152), 0);
-    let decoded = image::load_from_memory(&canvas.to_png().unwrap()).unwrap().into_rgb8();
-    assert_eq!(decoded.as_raw(), canvas.pixels());
+    for arithmetic in [ArithmeticKind::Float, ArithmeticKind::Fixed] {
+        let (report, canvas) = drawn(&Toy { empty: false }, arithmetic);
+        assert_eq!((report.detections.len(), report.arithmetic), (1, arithmetic), "{report:?}");
+        assert_eq!(canvas.dimensions(), SIZE);
+        assert!(count(&canvas, COLOURS[0], 0..640) > 300);
+        assert!(count(&canvas, COLOURS[0], 640..1152) > 100);
+        assert_eq!(count(&canvas, COLOURS[1], 0..1152), 0);
+        let decoded = image::load_from_memory(&canvas.to_png().unwrap()).unwrap().into_rgb8();
+        assert_eq!(decoded.as_raw(), canvas.pixels());
+    }
 }
 
 #[test]
 fn a_frame_without_a_floor_says_so_and_nothing_more() {
-    let (report, canvas) = drawn(&Toy { empty: true });
+    let (report, canvas) = drawn(&Toy { empty: true }, ArithmeticKind::Fixed);
     assert!(report.floor.is_none() && report.detections.is_empty());
     assert_eq!(COLOURS.iter().map(|c| count(&canvas, *c, 0..1152)).sum::<usize>(), 0);
 }

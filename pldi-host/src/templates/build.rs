@@ -3,19 +3,17 @@
 
 use std::sync::Arc;
 
-use pldi_core::descriptor::Descriptor;
 use pldi_core::floor::FloorMode;
 use pldi_core::ground::{AreaParams, Limits};
-use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
+use pldi_core::pipeline::{Pipeline, Workspace};
 use pldi_core::view::ViewParams;
 use pldi_core::{Floor, Frame, Intrinsics, Params};
 use pldi_fixtures::kinect::{CameraPose, Capture, Pitch, Room, Scene, Sensor, ViewRing};
 use pldi_fixtures::{Material, Mesh, Texture, rng};
 
 use super::write::{TemplateSet, View};
-use crate::Error;
 use crate::input::reduce;
-use crate::parallel;
+use crate::{Error, Numbers, parallel};
 
 /// How a mesh becomes views.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,29 +83,24 @@ impl Builder {
         Ok(Self { view, look })
     }
 
-    /// The template set of some objects; `done` is called after each object (from several threads) and stops the work by
+    /// The template set of some objects, computed in the arithmetic `A`; `done` is called after each object (from several threads) and stops the work by
     /// returning `false`.
     ///
     /// # Errors
     /// `Usage` for an object of which no view shows anything, or where `done` stopped the work.
-    pub fn build(
+    pub fn build<A: Numbers>(
         &self,
         objects: &[ObjectMesh],
         threads: usize,
         done: impl Fn(&ObjectMesh) -> bool + Sync,
-    ) -> Result<TemplateSet, Error> {
+    ) -> Result<TemplateSet<A>, Error> {
         let mut classes: Vec<String> = objects.iter().map(|o| o.class.clone()).collect();
         classes.sort();
         classes.dedup();
-        let described = parallel::map_ordered(
-            objects.len(),
-            threads,
-            || Box::new(QvgaWorkspace::new()),
-            |workspace, i| {
-                let views = self.describe(&objects[i], i, workspace)?;
-                if done(&objects[i]) { Ok(views) } else { Err(Error::Interrupted) }
-            },
-        )?;
+        let described = parallel::map_ordered(objects.len(), threads, A::workspace, |workspace, i| {
+            let views = self.describe(&objects[i], i, workspace)?;
+            if done(&objects[i]) { Ok(views) } else { Err(Error::Interrupted) }
+        })?;
         let mut set = TemplateSet {
             view: self.view,
             distance: self.look.distances[0],
@@ -126,12 +119,12 @@ impl Builder {
     }
 
     /// The descriptors of all views of one object that show it.
-    fn describe(
+    fn describe<A: Numbers>(
         &self,
         object: &ObjectMesh,
         number: usize,
-        workspace: &mut QvgaWorkspace,
-    ) -> Result<Vec<(u16, Descriptor)>, Error> {
+        workspace: &mut Workspace<A>,
+    ) -> Result<Vec<(u16, A::Descriptor)>, Error> {
         let mut out = Vec::new();
         for (ring_number, distance) in self.look.distances.iter().enumerate() {
             let pitch = self.look.pitch.map_or(Pitch::HalfHeight, Pitch::Fixed);
@@ -163,33 +156,31 @@ impl Builder {
     }
 
     /// Exact depth without a filter; everything that is seen is the object.
-    fn exact(
+    fn exact<A: Numbers>(
         &self,
         object: &ObjectMesh,
         camera: &CameraPose,
-        workspace: &mut QvgaWorkspace,
-    ) -> Result<Option<Descriptor>, Error> {
+        workspace: &mut Workspace<A>,
+    ) -> Result<Option<A::Descriptor>, Error> {
         let floor = floor_of(camera)?;
         let params = Params { view: self.view, floor: FloorMode::Fixed(floor), ..Params::DEFAULT };
-        let pipeline = QvgaPipeline::new(&params, &CAMERA).map_err(Error::core)?;
+        let pipeline = pipeline::<A>(&params, &CAMERA)?;
         let rendering = Sensor::noise_free(CAMERA).render(&Scene::of(object.mesh.clone()), camera);
-        for (to, from) in workspace.images.depth.as_flattened_mut().iter_mut().zip(&rendering.depth) {
-            *to = *from;
-        }
-        Ok(pipeline.describe_mask(&floor, |_, _| true, workspace))
+        A::set_depth(workspace, &rendering.depth);
+        Ok(pipeline.describe_mask(&A::floor(&floor)?, |_, _| true, workspace))
     }
 
     /// Through the simulation and the pipeline: the object stands on a floor, and is what the ground map finds there;
     /// where it finds nothing (a flat or tiny object), it is the pixels that truly show it.
-    fn simulated(
+    fn simulated<A: Numbers>(
         &self,
         object: &ObjectMesh,
         number: usize,
         ring: usize,
         view: usize,
         camera: &CameraPose,
-        workspace: &mut QvgaWorkspace,
-    ) -> Result<Option<Descriptor>, Error> {
+        workspace: &mut Workspace<A>,
+    ) -> Result<Option<A::Descriptor>, Error> {
         let mut scene = Scene::of(object.mesh.clone());
         scene.room = Some(Room::floor_only(20.0, Material::new([150, 140, 125], Texture::Plain)));
         let seed = rng::derive(rng::derive(number as u64, ring as u64), view as u64);
@@ -205,7 +196,7 @@ impl Builder {
             limits: Limits { area: (0.0, 100.0), length: (0.0, 1000.0), min_top: 0.0, ..Limits::DEFAULT },
             ..Params::DEFAULT
         };
-        let pipeline = QvgaPipeline::new(&params, &intrinsics).map_err(Error::core)?;
+        let (pipeline, floor) = (pipeline::<A>(&params, &intrinsics)?, A::floor(&floor)?);
         let frame = Frame::new(&depth, Some(&colour)).map_err(Error::core)?;
         pipeline.reconstruct(&frame, workspace);
         workspace.report.clear();
@@ -223,6 +214,10 @@ impl Builder {
         }
         Ok(pipeline.describe_mask(&floor, |u, v| labels.get(2 * v * 640 + 2 * u) == Some(&1), workspace))
     }
+}
+
+fn pipeline<A: Numbers>(params: &Params, intrinsics: &Intrinsics) -> Result<Pipeline<A>, Error> {
+    Pipeline::new(&A::params(params)?, &A::intrinsics(intrinsics)?).map_err(Error::core)
 }
 
 fn height_of(mesh: &Mesh) -> f32 {

@@ -1,11 +1,13 @@
 //! Template files for the fixed-point pipeline.
 
+use std::borrow::Cow;
+
 use pldi_core::TemplateError;
 use pldi_core::templates::layout::{self, Header, LogRecord};
 use pldi_core::templates::{Encoding, Templates};
 use zerocopy::{FromBytes, IntoBytes};
 
-use crate::Error;
+use crate::{ArithmeticKind, Error};
 
 /// A file of codes from a file of floats: half the size, everything else as it was. The same on every machine.
 ///
@@ -13,6 +15,16 @@ use crate::Error;
 /// `Core` with what is wrong with the file: `Encoding` where it holds codes already.
 pub fn fixed_file(bytes: &[u8]) -> Result<Vec<u8>, Error> {
     convert(bytes).map_err(|cause| Error::core(cause.into()))
+}
+
+/// A file as an arithmetic searches it: floats become codes for integers; everything else stays as it is, so that the
+/// search can refuse codes in floats by their name.
+///
+/// # Errors
+/// `Core` with what is wrong with a file that is to be converted.
+pub fn for_arithmetic(bytes: Cow<'_, [u8]>, kind: ArithmeticKind) -> Result<Cow<'_, [u8]>, Error> {
+    let encoding = Templates::parse(&bytes).map_err(|cause| Error::core(cause.into()))?.encoding();
+    Ok(if kind == ArithmeticKind::Fixed && encoding == Encoding::Float { fixed_file(&bytes)?.into() } else { bytes })
 }
 
 fn convert(bytes: &[u8]) -> Result<Vec<u8>, TemplateError> {

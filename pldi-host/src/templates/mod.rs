@@ -7,7 +7,7 @@ pub mod write;
 
 pub use build::{Builder, Look, ObjectMesh};
 pub use evaluate::{Confusion, leave_one_object_out};
-pub use fixed::fixed_file;
+pub use fixed::{fixed_file, for_arithmetic};
 pub use write::{TemplateSet, View};
 
 /// The set that is built into the library: the procedural furniture, through the sensor's simulation, at default

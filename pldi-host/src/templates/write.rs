@@ -2,29 +2,29 @@
 
 use std::path::Path;
 
-use pldi_core::templates::layout::{self, Class, Header, Object, Record, padded};
-use pldi_core::templates::{Encoding, MAGIC};
+use pldi_core::pipeline::Float;
+use pldi_core::templates::MAGIC;
+use pldi_core::templates::layout::{self, Class, Header, Object, padded};
 use pldi_core::view::ViewParams;
 use zerocopy::IntoBytes;
 
-use crate::Error;
 use crate::output::atomic;
-use pldi_core::descriptor::Descriptor;
+use crate::{Error, Numbers};
 
 /// One view of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct View {
+pub struct View<A: Numbers = Float> {
     /// Index of the object.
     pub object: u16,
     /// Number of the view on its ring, from 0 on the +x axis counter-clockwise.
     pub view: u16,
     /// Its numbers.
-    pub descriptor: Descriptor,
+    pub descriptor: A::Descriptor,
 }
 
-/// A template set as it is put together.
+/// A template set as it is put together, in the numbers of an arithmetic.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TemplateSet {
+pub struct TemplateSet<A: Numbers = Float> {
     /// What the descriptors were made with.
     pub view: ViewParams,
     /// Horizontal distance of the camera in metres.
@@ -38,11 +38,11 @@ pub struct TemplateSet {
     /// Class index and name of each object.
     pub objects: Vec<(u16, String)>,
     /// The views.
-    pub views: Vec<View>,
+    pub views: Vec<View<A>>,
 }
 
-impl TemplateSet {
-    /// The bytes of the file, a file of floats; [`fixed_file`](super::fixed_file) makes one of codes of it.
+impl<A: Numbers> TemplateSet<A> {
+    /// The bytes of the file: of floats, or of codes from integers. ([`fixed_file`](super::fixed_file) makes codes of floats.)
     ///
     /// # Errors
     /// `Usage` where there are more classes, objects or views than the format holds.
@@ -53,11 +53,12 @@ impl TemplateSet {
         }
         let objects = u16::try_from(self.objects.len()).map_err(|_| too_many("objects", self.objects.len()))?;
         let templates = u32::try_from(self.views.len()).map_err(|_| too_many("views", self.views.len()))?;
+        let encoding = A::KIND.encoding();
         let (framing, side) = self.view.framing_fields();
         let header = Header {
             magic: MAGIC,
-            version: Encoding::Float.version().into(),
-            encoding: Encoding::Float as u8,
+            version: encoding.version().into(),
+            encoding: encoding as u8,
             reserved: 0,
             parameters: self.view.hash().into(),
             checksum: 0.into(),
@@ -82,8 +83,7 @@ impl TemplateSet {
             bytes.extend_from_slice(Object { class: (*class).into(), name: padded(name) }.as_bytes());
         }
         for v in &self.views {
-            let record = Record { object: v.object.into(), view: v.view.into(), values: v.descriptor.map(Into::into) };
-            bytes.extend_from_slice(record.as_bytes());
+            bytes.extend(A::record(v.object, v.view, &v.descriptor));
         }
         layout::seal(&mut bytes);
         Ok(bytes)

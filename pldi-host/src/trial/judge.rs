@@ -1,10 +1,12 @@
 //! What the pipeline made of a frame whose truth is known.
 
 use pldi_core::ground::SensoryArea;
-use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
+use pldi_core::pipeline::QvgaWorkspace;
 use pldi_core::templates::Templates;
 use pldi_core::{Error, Floor};
 use pldi_fixtures::{CameraPose, Capture, ObjectTruth};
+
+use crate::Engine;
 
 /// A cluster counts for an object where they share at least half of the pixels of both together.
 const OVERLAP: f64 = 0.5;
@@ -92,13 +94,13 @@ impl Verdict {
 pub fn judge(
     seen: &FrameTruth,
     depth: &[u16],
-    pipeline: &QvgaPipeline,
+    engine: &Engine,
     templates: &Templates<'_>,
     workspace: &QvgaWorkspace,
 ) -> Result<(Vec<Verdict>, u32), Error> {
     let camera = &seen.camera;
     let floor = Floor::from_pose(camera.height, camera.pitch, camera.roll)?;
-    let area = SensoryArea::new(&pipeline.params().area, pipeline.rays().intrinsics(), &floor);
+    let area = SensoryArea::new(&engine.params().area, engine.intrinsics(), &floor);
     let report = &workspace.report;
     let overlaps = Overlaps::new(seen, depth, workspace);
     let mut used = Vec::new();

@@ -8,8 +8,8 @@ use pldi_core::floor::FloorMode;
 use pldi_core::reconstruct::{FilterKind, FilterParams};
 use pldi_core::view::{Framing, ViewParams};
 use pldi_core::{Floor, Params};
-use pldi_host::Error;
 use pldi_host::input::{DepthScale, IntrinsicsSpec, OpenOptions, Recording, parse_intrinsics};
+use pldi_host::{ArithmeticKind, Error};
 
 /// Where the frames come from.
 #[derive(Debug, Args)]
@@ -103,6 +103,24 @@ impl ViewArgs {
     }
 }
 
+/// What is computed in.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ArithmeticArg {
+    /// Single precision
+    Float,
+    /// Integers alone, as on a microcontroller without FPU: the same bits on every machine
+    Fixed,
+}
+
+impl From<ArithmeticArg> for ArithmeticKind {
+    fn from(arg: ArithmeticArg) -> Self {
+        match arg {
+            ArithmeticArg::Float => Self::Float,
+            ArithmeticArg::Fixed => Self::Fixed,
+        }
+    }
+}
+
 /// The depth's reconstruction.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum FilterArg {
@@ -110,7 +128,7 @@ enum FilterArg {
     Joint,
     /// Guided by depth alone
     Bilateral,
-    /// Equation 1 of the paper as it is written: seconds per frame
+    /// Equation 1 of the paper as it is written: seconds per frame, in floats only
     Exact,
     /// The measured depth as it is
     None,
@@ -127,6 +145,9 @@ pub struct Processing {
     /// How the depth is reconstructed
     #[arg(long, value_enum, default_value = "joint")]
     filter: FilterArg,
+    /// What all stages compute in; a template file of floats is converted for fixed
+    #[arg(long, value_enum, default_value = "float")]
+    arithmetic: ArithmeticArg,
 }
 
 /// Parses `--floor`.
@@ -148,6 +169,11 @@ fn floor(text: &str) -> Result<FloorMode, String> {
 }
 
 impl Processing {
+    /// What to compute in.
+    pub fn arithmetic(&self) -> ArithmeticKind {
+        self.arithmetic.into()
+    }
+
     /// All parameters, with the templates' view parameters where none were asked for.
     pub fn params(&self, templates: ViewParams) -> Params {
         let kind = match self.filter {

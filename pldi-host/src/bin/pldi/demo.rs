@@ -8,7 +8,7 @@ use anyhow::Context;
 use pldi_host::input::{OpenOptions, Recording};
 use pldi_host::output::{atomic, png};
 use pldi_host::trial::{Standing, Verdict};
-use pldi_host::{Error, demo};
+use pldi_host::{Engine, Error, demo};
 
 use crate::args::{Processing, Threads};
 use crate::{progress, templates};
@@ -34,9 +34,11 @@ pub struct Demo {
 impl Demo {
     /// Runs the command.
     pub fn run(&self) -> anyhow::Result<()> {
-        let bytes = templates::read(None)?;
+        let arithmetic = self.processing.arithmetic();
+        let bytes = templates::read_for(None, arithmetic)?;
         let set = templates::parse(None, &bytes)?;
         let params = self.processing.params(*set.view_params());
+        Engine::check(arithmetic, &params)?;
         let (folder, pictures) = (self.out.join("recording"), self.out.join("overlay"));
         std::fs::create_dir_all(&pictures).map_err(|cause| Error::Write { path: pictures.clone(), cause })?;
         let bar = std::io::stderr().is_terminal().then(|| progress::bar(0));
@@ -53,7 +55,7 @@ impl Demo {
         let truth = demo::write(&folder, self.threads.count(), step)?;
         let recording = Recording::open(&folder, &OpenOptions::default())?;
         let (mut lines, mut shown) = (Vec::new(), Vec::new());
-        demo::recognise(&recording, &truth, &params, &set, self.threads.count(), |i, frame| {
+        demo::recognise(&recording, &truth, arithmetic, &params, &set, self.threads.count(), |i, frame| {
             atomic::write_bytes(&pictures.join(format!("{i:04}.png")), &frame.picture)?;
             serde_json::to_writer(&mut lines, &frame.report)?;
             lines.push(b'\n');
@@ -66,7 +68,7 @@ impl Demo {
         let results = self.out.join("detections.jsonl");
         atomic::write_bytes(&results, &lines)?;
         if let Some(file) = &self.picture {
-            let canvas = demo::composite(&recording, PICTURED, &params, &set)?;
+            let canvas = demo::composite(&recording, PICTURED, arithmetic, &params, &set)?;
             png::write_rgb8(file, canvas.dimensions(), canvas.pixels())?;
         }
         let text = table(&shown) + &summary(&shown, &folder, &results, &pictures);

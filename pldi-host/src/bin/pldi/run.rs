@@ -4,12 +4,12 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
-use pldi_core::templates::{Encoding, Templates};
-use pldi_host::Error;
+use pldi_core::templates::Templates;
 use pldi_host::input::{FrameSource, Recording};
 use pldi_host::output::atomic;
 use pldi_host::overlay;
 use pldi_host::runner::{self, FrameResult, Processed};
+use pldi_host::{Engine, Error};
 
 use crate::args::{Input, Processing, Threads};
 use crate::{print, progress, templates};
@@ -41,10 +41,12 @@ impl Run {
     /// Runs the command.
     pub fn run(&self) -> anyhow::Result<()> {
         let file = self.templates.as_deref();
-        let bytes = templates::read(file)?;
+        let arithmetic = self.processing.arithmetic();
+        let bytes = templates::read_for(file, arithmetic)?;
         let set = templates::parse(file, &bytes)?;
         let params = self.processing.params(*set.view_params());
-        set.require(params.view.hash(), Encoding::Float).map_err(|cause| {
+        Engine::check(arithmetic, &params)?;
+        set.require(params.view.hash(), arithmetic.encoding()).map_err(|cause| {
             let name = file.map_or("the embedded templates".to_owned(), |f| f.display().to_string());
             Error::Usage(format!("{name}: {cause}"))
         })?;
@@ -57,7 +59,8 @@ impl Run {
             sink.bar = Some(progress::bar(recording.len() as u64));
         }
         let look = |processed: &Processed<'_>| self.draw(&recording, &set, processed);
-        let result = runner::run(&recording, &params, &set, self.threads.count(), look, |i, r| sink.take(i, r));
+        let threads = self.threads.count();
+        let result = runner::run(&recording, arithmetic, &params, &set, threads, look, |i, r| sink.take(i, r));
         if let Some(bar) = &sink.bar {
             bar.finish_and_clear();
         }

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
+use pldi_core::pipeline::QvgaWorkspace;
 use pldi_core::view::ViewParams;
 use pldi_host::input::FrameSource;
-use pldi_host::{Error, stages};
+use pldi_host::{Engine, Error, stages};
 
 use crate::args::{Input, Processing};
 
@@ -29,10 +29,10 @@ impl Stages {
     pub fn run(&self) -> anyhow::Result<()> {
         let frame = self.input.open()?.frame(self.frame)?;
         let params = self.processing.params(ViewParams::DEFAULT);
-        let pipeline = QvgaPipeline::new(&params, &frame.intrinsics).map_err(Error::core)?;
+        let mut engine = Engine::new(self.processing.arithmetic(), &params, &frame.intrinsics)?;
         std::fs::create_dir_all(&self.out).map_err(|cause| Error::Write { path: self.out.clone(), cause })?;
         let mut workspace = Box::new(QvgaWorkspace::new());
-        stages::write(&pipeline, &frame.as_frame().map_err(Error::core)?, &mut workspace, &self.out)?;
+        stages::write(&mut engine, &frame.as_frame().map_err(Error::core)?, &mut workspace, &self.out)?;
         Ok(())
     }
 }

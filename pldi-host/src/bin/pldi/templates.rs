@@ -2,18 +2,17 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
+use pldi_core::pipeline::{Fixed, Float};
 use pldi_core::templates::Encoding;
 use pldi_core::view::ViewParams;
 use pldi_fixtures::{Class, Mesh, TEMPLATE_SEEDS, furniture};
-use pldi_host::Error;
 use pldi_host::mesh::{Size, TriangleMesh, Unit, Up};
 use pldi_host::output::atomic;
-use pldi_host::parallel;
-use pldi_host::templates::{Builder, EMBEDDED, Look, ObjectMesh, fixed_file, leave_one_object_out};
+use pldi_host::templates::{Builder, EMBEDDED, Look, ObjectMesh, fixed_file, for_arithmetic, leave_one_object_out};
+use pldi_host::{ArithmeticKind, Error, Numbers, parallel};
 
-use crate::args::{Threads, ViewArgs};
+use crate::args::{ArithmeticArg, Threads, ViewArgs};
 use crate::print;
 
 /// The commands below `pldi templates`.
@@ -91,8 +90,11 @@ pub struct Build {
     /// Keep the distance for objects too large to be seen whole from there
     #[arg(long)]
     exact_distance: bool,
-    /// Write 16-bit logarithms, for the fixed-point pipeline, in place of floats
-    #[arg(long)]
+    /// What the descriptors are computed in: float writes a file of floats, fixed one of 16-bit logarithms
+    #[arg(long, value_enum, default_value = "float")]
+    arithmetic: ArithmeticArg,
+    /// Write descriptors computed in floats as 16-bit logarithms, as templates convert does
+    #[arg(long, conflicts_with = "arithmetic")]
     fixed: bool,
     #[command(flatten)]
     view: ViewArgs,
@@ -122,6 +124,14 @@ pub fn read(file: Option<&Path>) -> Result<Vec<u8>, Error> {
         None => Ok(EMBEDDED.to_vec()),
         Some(path) => std::fs::read(path).map_err(|cause| Error::Read { path: path.to_owned(), cause }),
     }
+}
+
+/// The bytes of a template file, or the embedded ones, as an arithmetic searches them.
+pub fn read_for(file: Option<&Path>, arithmetic: ArithmeticKind) -> Result<Vec<u8>, Error> {
+    let bytes = read(file)?;
+    // Whatever is wrong with the file is to be told with its name.
+    parse(file, &bytes)?;
+    Ok(for_arithmetic(bytes.into(), arithmetic)?.into_owned())
 }
 
 /// The templates in some bytes.
@@ -182,10 +192,15 @@ impl Build {
         };
         let builder = Builder::new(self.view.params(ViewParams::DEFAULT), look)?;
         let objects = if self.procedural { self.furniture() } else { self.read_meshes()? };
+        match self.arithmetic.into() {
+            ArithmeticKind::Float => self.write::<Float>(&builder, &objects),
+            ArithmeticKind::Fixed => self.write::<Fixed>(&builder, &objects),
+        }
+    }
+
+    fn write<A: Numbers>(&self, builder: &Builder, objects: &[ObjectMesh]) -> anyhow::Result<()> {
         let bar = crate::progress::bar(objects.len() as u64);
-        let count = AtomicUsize::new(0);
-        let set = builder.build(&objects, self.threads.count(), |_| {
-            count.fetch_add(1, Ordering::Relaxed);
+        let set = builder.build::<A>(objects, self.threads.count(), |_| {
             bar.inc(1);
             !crate::progress::interrupted()
         })?;

@@ -39,7 +39,8 @@ pub struct Trial {
 impl Trial {
     /// Runs the command.
     pub fn run(&self) -> anyhow::Result<()> {
-        let bytes = templates::read(self.templates.as_deref())?;
+        let arithmetic = self.processing.arithmetic();
+        let bytes = templates::read_for(self.templates.as_deref(), arithmetic)?;
         let set: Templates<'_> = templates::parse(self.templates.as_deref(), &bytes)?;
         let params = self.processing.params(*set.view_params());
         let rooms = Rooms { rooms: self.rooms, frames: usize::from(self.frames), seed: self.seed };
@@ -50,7 +51,7 @@ impl Trial {
             return Ok(written.map_err(|cause| Error::Write { path: folder, cause })?);
         }
         let bar = crate::progress::bar(self.rooms.into());
-        let outcome = rooms.run(&params, &set, self.threads.count(), || {
+        let outcome = rooms.run(arithmetic, &params, &set, self.threads.count(), || {
             bar.inc(1);
             !crate::progress::interrupted()
         })?;
