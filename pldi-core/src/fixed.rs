@@ -164,6 +164,12 @@ pub const fn reciprocal(x: u32) -> (u32, u32) {
     (if r > u32::MAX as i64 { u32::MAX } else { r as u32 }, 63 - zeros)
 }
 
+/// 1/x for x in Q31 (1..2), in Q16: at most 2^-8.9 of it off.
+#[inline(always)]
+pub(crate) const fn reciprocal_of_16_bits(x: u32) -> u32 {
+    RECIPROCALS[(x >> 23 & 0xFF) as usize] as u32
+}
+
 /// The product of a 32-bit number and a Q30 number, rounded to nearest.
 #[inline(always)]
 pub const fn mul_q30(a: i32, b: i32) -> i32 {

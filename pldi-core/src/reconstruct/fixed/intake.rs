@@ -114,8 +114,9 @@ impl ColourRow<'_> {
         let k = self.check(W)?;
         if let (Self::Rgb888([row]), 1) = (self, k) {
             // The usual case: nothing to reduce.
-            for (to, from) in out.iter_mut().zip(row.as_chunks::<3>().0) {
-                *to = *from;
+            let out = out.as_flattened_mut();
+            if out.len() == row.len() {
+                out.copy_from_slice(row);
             }
             return Ok(());
         }
@@ -252,9 +253,7 @@ impl<const W: usize, const H: usize> Intake<'_, W, H> {
 fn shift<T: Copy, const W: usize>(row: &[T; W], left: &mut [T; W]) {
     if let ([first, rest @ ..], [.., _]) = (&mut left[..], &row[..]) {
         *first = row[0];
-        for (to, from) in rest.iter_mut().zip(row) {
-            *to = *from;
-        }
+        rest.copy_from_slice(&row[..rest.len()]);
     }
 }
 

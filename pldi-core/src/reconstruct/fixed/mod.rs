@@ -6,6 +6,7 @@
 
 pub mod distances;
 pub mod intake;
+mod quad;
 pub mod recursive;
 pub mod weight;
 

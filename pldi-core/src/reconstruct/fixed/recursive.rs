@@ -1,19 +1,12 @@
 //! The recursive filter of the domain transform in integers, on depth and mask at once, both ways along rows and columns.
 //!
-//! Four rows or columns at a time are widened to 32 bits: the weight m in Q27, and the product s = D m of depth (1/8 mm)
-//! and weight in Q14, both below 2^30. `F[x] += a^d[x] (F[x-1] - F[x])` runs forth and back on them without a division;
-//! then D = s/m goes back into 16 bits, rounded to nearest. So a depth is rounded once per pass, not once per step: a
-//! feedback filter that rounds its own output to 1/8 mm at each step would stick up to half a millimetre beside its mean.
+//! Four rows or columns at a time are widened to 32 bits: the weight m, and the product s = D m of depth and weight (see
+//! [`quad`]). `F[x] += a^d[x] (F[x-1] - F[x])` runs forth and back on them without a division; then D = s/m goes back
+//! into 16 bits, rounded to nearest. So a depth is rounded once per pass, not once per step: a feedback filter that
+//! rounds its own output to 1/8 mm at each step would stick up to half a millimetre beside its mean.
 
-use super::weight;
+use super::quad::{self, BLOCK, Cell, LANES, Lane, Short, Way};
 use crate::Image;
-use crate::fixed::reciprocal;
-
-/// Rows or columns that are filtered side by side.
-pub const LANES: usize = 4;
-
-/// One number for each of the rows or columns.
-type Lane = [i32; LANES];
 
 /// Scratch for [`LANES`] rows or columns: the products and the weights. Columns may not be longer than rows.
 pub type Lines<const W: usize> = [[Lane; 2]; W];
@@ -30,23 +23,54 @@ pub fn rows<const W: usize, const H: usize>(
     let (mask, mask_rest) = mask.as_chunks_mut::<LANES>();
     let (codes, codes_rest) = codes.as_chunks::<LANES>();
     for ((depth, mask), codes) in depth.iter_mut().zip(mask).zip(codes) {
-        for (x, cell) in lines.iter_mut().enumerate() {
-            *cell = widen(core::array::from_fn(|r| depth[r][x]), core::array::from_fn(|r| mask[r][x]));
-        }
-        run(lines, |x| core::array::from_fn(|r| i32::from(weights[usize::from(codes[r][x])])));
-        for (x, cell) in lines.iter().enumerate() {
-            for r in 0..LANES {
-                (depth[r][x], mask[r][x]) = narrow(cell[0][r], cell[1][r], 0);
-            }
+        four_rows(depth, mask, codes, weights, lines);
+    }
+    if let ([first, ..], [first_mask, ..], [first_codes, ..]) = (&*depth_rest, &*mask_rest, codes_rest) {
+        // The last rows may be fewer than the lanes: the others are filtered in vain.
+        let (mut four, mut four_masks) = ([*first; LANES], [*first_mask; LANES]);
+        let mut four_codes = [*first_codes; LANES];
+        four.iter_mut().zip(&*depth_rest).for_each(|(to, from)| *to = *from);
+        four_masks.iter_mut().zip(&*mask_rest).for_each(|(to, from)| *to = *from);
+        four_codes.iter_mut().zip(codes_rest).for_each(|(to, from)| *to = *from);
+        four_rows(&mut four, &mut four_masks, &four_codes, weights, lines);
+        depth_rest.iter_mut().zip(&four).for_each(|(to, from)| *to = *from);
+        mask_rest.iter_mut().zip(&four_masks).for_each(|(to, from)| *to = *from);
+    }
+}
+
+/// Filters four rows.
+fn four_rows<const W: usize>(
+    depth: &mut [[u16; W]; LANES],
+    mask: &mut [[u16; W]; LANES],
+    codes: &[[u8; W]; LANES],
+    weights: &[u16; 256],
+    lines: &mut Lines<W>,
+) {
+    let first = |rows: &[[u16; W]; LANES]| rows.each_ref().map(|row| row.first().copied().unwrap_or_default());
+    let mut line = Line::new(weights, quad::widen(first(depth), first(mask)));
+    for (block, cells) in lines.chunks_mut(BLOCK).enumerate() {
+        let x = block * BLOCK;
+        let (depth, mask) = (quad::turn(block_of(depth, x)), quad::turn(block_of(mask, x)));
+        let codes = block_of(codes, x);
+        for (i, cell) in cells.iter_mut().enumerate() {
+            *cell = line.forth(quad::widen(depth[i], mask[i]), codes.map(|row| row[i]));
         }
     }
-    for ((depth, mask), codes) in depth_rest.iter_mut().zip(mask_rest).zip(codes_rest) {
-        for (x, cell) in lines.iter_mut().enumerate() {
-            *cell = widen([depth[x]; LANES], [mask[x]; LANES]);
+    for (block, cells) in lines.chunks(BLOCK).enumerate().rev() {
+        let x = block * BLOCK;
+        let codes = block_of(codes, x);
+        let (mut depths, mut masks) = ([[0; LANES]; BLOCK], [[0; LANES]; BLOCK]);
+        for (i, cell) in cells.iter().enumerate().rev() {
+            [depths[i], masks[i]] = quad::narrow(line.back(*cell, codes.map(|row| row[i])), NO_FLOOR);
         }
-        run(lines, |x| [i32::from(weights[usize::from(codes[x])]); LANES]);
-        for (x, cell) in lines.iter().enumerate() {
-            (depth[x], mask[x]) = narrow(cell[0][0], cell[1][0], 0);
+        for (rows, block) in [(&mut *depth, depths), (&mut *mask, masks)] {
+            for (row, values) in rows.iter_mut().zip(quad::turn_back(block)) {
+                if let Some(to) = row.get_mut(x..).and_then(|row| row.first_chunk_mut()) {
+                    *to = values;
+                } else {
+                    row.iter_mut().skip(x).zip(values).for_each(|(to, from)| *to = from);
+                }
+            }
         }
     }
 }
@@ -62,80 +86,76 @@ pub fn columns<const W: usize, const H: usize>(
     lines: &mut Lines<W>,
 ) {
     const { assert!(H <= W, "columns longer than rows do not fit the lines") };
+    // Q30, rounded up.
+    let floor = (floor.min(1 << 27) << 3) as i32 | NO_FLOOR;
     let (lines, _) = lines.split_at_mut(H);
     let mut x = 0;
     while x < W {
         // The last columns may be fewer than the lanes: what is missing counts as empty.
         let lanes = LANES.min(W - x);
-        for ((depth, mask), cell) in depth.iter().zip(mask.iter()).zip(lines.iter_mut()) {
-            *cell = widen(quad(&depth[x..x + lanes]), quad(&mask[x..x + lanes]));
+        let (Some(depth_row), Some(mask_row)) = (depth.first(), mask.first()) else { return };
+        let mut line = Line::new(weights, quad::widen(some(depth_row, x), some(mask_row, x)));
+        for (((depth, mask), codes), cell) in depth.iter().zip(mask.iter()).zip(codes).zip(lines.iter_mut()) {
+            *cell = line.forth(quad::widen(some(depth, x), some(mask, x)), some(codes, x));
         }
-        run(lines, |y| {
-            let row = codes.get(y).map_or([0; LANES], |row| quad(&row[x..x + lanes]));
-            row.map(|code: u8| i32::from(weights[usize::from(code)]))
-        });
-        for ((depth, mask), cell) in depth.iter_mut().zip(mask.iter_mut()).zip(lines.iter()) {
-            for r in 0..lanes {
-                (depth[x + r], mask[x + r]) = narrow(cell[0][r], cell[1][r], floor);
-            }
+        for (((depth, mask), codes), cell) in depth.iter_mut().zip(mask.iter_mut()).zip(codes).zip(lines.iter()).rev() {
+            let [depths, masks] = quad::narrow(line.back(*cell, some(codes, x)), floor);
+            depth[x..x + lanes].copy_from_slice(&depths[..lanes]);
+            mask[x..x + lanes].copy_from_slice(&masks[..lanes]);
         }
         x += LANES;
     }
 }
 
-/// The first four values, 0 where there are fewer.
+/// Rows lose no weight but what their codes cannot tell from 0, in Q30.
+const NO_FLOOR: i32 = 7;
+
+/// Where the filter is along the lines.
+struct Line<'a> {
+    weights: &'a [u16; 256],
+    /// What the last pixels became.
+    last: Cell,
+    /// The weights between the last pixels and those before them on the way back.
+    between: Short,
+}
+
+impl<'a> Line<'a> {
+    /// Before the first pixels, which stay as they are: they are blended with themselves.
+    fn new(weights: &'a [u16; 256], first: Cell) -> Self {
+        Self { weights, last: first, between: [0; LANES] }
+    }
+
+    /// The next pixels on the way forth.
+    #[inline(always)]
+    fn forth(&mut self, here: Cell, codes: [u8; LANES]) -> Cell {
+        let w = codes.map(|code| self.weights[usize::from(code)]);
+        let here = quad::blend(here, self.last, w, Way::Forth);
+        self.last = here;
+        here
+    }
+
+    /// The next pixels on the way back, which starts with those that the way forth has ended with.
+    #[inline(always)]
+    fn back(&mut self, here: Cell, codes: [u8; LANES]) -> Cell {
+        let here = quad::blend(here, self.last, self.between, Way::Back);
+        self.last = here;
+        self.between = codes.map(|code| self.weights[usize::from(code)]);
+        here
+    }
+}
+
+/// Some values of a row, 0 where there are fewer.
 #[inline(always)]
-fn quad<T: Copy + Default>(values: &[T]) -> [T; LANES] {
+fn some<T: Copy + Default, const W: usize, const N: usize>(row: &[T; W], x: usize) -> [T; N] {
+    let values = row.get(x..).unwrap_or(&[]);
     values
         .first_chunk()
         .copied()
         .unwrap_or_else(|| core::array::from_fn(|i| values.get(i).copied().unwrap_or_default()))
 }
 
-/// s and m of depths and mask codes.
+/// A block of four rows.
 #[inline(always)]
-fn widen(depth: [u16; LANES], mask: [u16; LANES]) -> [Lane; 2] {
-    let m = mask.map(weight::decode);
-    // 16 bits times 27 bits, less 13: below 2^30.
-    [core::array::from_fn(|r| ((i64::from(depth[r]) * i64::from(m[r]) + (1 << 12)) >> 13) as i32), m]
-}
-
-/// Depth and mask code of s and m.
-#[inline(always)]
-fn narrow(s: i32, m: i32, floor: u32) -> (u16, u16) {
-    if m as u32 <= floor {
-        return (0, 0);
-    }
-    // D = s 2^13 / m. The reciprocal is good to 30 bits: the quotient is rounded to nearest but for ties.
-    let (mantissa, shift) = reciprocal(m as u32);
-    // s < 2^30 and the mantissa < 2^32; the shift is at least 36, because m < 2^28.
-    let depth = (((s as u64 * u64::from(mantissa)) >> (shift - 14)) + 1) >> 1;
-    (depth.min(65_535) as u16, weight::encode(m))
-}
-
-/// The filter forth and back along the lines.
-#[inline(always)]
-fn run(lines: &mut [[Lane; 2]], weights: impl Fn(usize) -> Lane) {
-    let Some([mut s, mut m]) = lines.first().copied() else { return };
-    for (x, cell) in lines.iter_mut().enumerate().skip(1) {
-        let w = weights(x);
-        (s, m) = (blend(cell[0], s, w), blend(cell[1], m, w));
-        *cell = [s, m];
-    }
-    for x in (1..lines.len()).rev() {
-        let w = weights(x);
-        if let Some(cell) = lines.get_mut(x - 1) {
-            (s, m) = (blend(cell[0], s, w), blend(cell[1], m, w));
-            *cell = [s, m];
-        }
-    }
-}
-
-/// here + w (from - here), rounded to nearest: between the two, so nothing ever leaves its range.
-///
-/// Written with unsigned products of 32 bits, which vector units have even where they lack signed ones.
-#[inline(always)]
-fn blend(here: Lane, from: Lane, w: Lane) -> Lane {
-    let wide = |a: i32, b: i32| u64::from(a as u32) * u64::from(b as u32);
-    core::array::from_fn(|r| ((wide(here[r], (1 << 16) - w[r]) + wide(from[r], w[r]) + (1 << 15)) >> 16) as i32)
+fn block_of<T: Copy + Default, const W: usize>(rows: &[[T; W]; LANES], x: usize) -> [[T; BLOCK]; LANES] {
+    rows.each_ref().map(|row| some(row, x))
 }
