@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::rows::{Pair, Set};
 
+/// As good as nothing, with room for ratios.
+const TINY: f64 = 1e-200;
+
 /// How far values are from those they are compared with.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Errors {
@@ -23,6 +26,12 @@ impl Errors {
         self.signal += truth * truth;
         self.noise += error * error;
         self.samples += 1;
+    }
+
+    /// Takes in a value that belongs to a decision, so that the share of changed decisions is that of the decisions.
+    pub fn add_value(&mut self, found: f64, truth: f64) {
+        self.add(found, truth);
+        self.samples -= 1;
     }
 
     /// Takes in many values and what they should be.
@@ -64,8 +73,8 @@ impl Errors {
 
     /// The same errors, `factor` times as large and as frequent; where there are none, some.
     pub fn scaled(&self, factor: f64) -> Self {
-        let largest = if self.largest > 0.0 { self.largest * factor } else { f64::MIN_POSITIVE };
-        let noise = if self.noise > 0.0 { self.noise * factor * factor } else { f64::MIN_POSITIVE };
+        let largest = if self.largest > 0.0 { self.largest * factor } else { TINY };
+        let noise = if self.noise > 0.0 { self.noise * factor * factor } else { TINY };
         let changed = if self.changed > 0 { (self.changed as f64 * factor) as u64 } else { 1 };
         Self { largest, noise, changed, ..*self }
     }

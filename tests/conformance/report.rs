@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::errors::{Errors, Key};
-use crate::rows::{Pair, Row, Set, Stage};
-use crate::table::{STAGES, TABLE};
+use crate::rows::{Pair, Requirement, Row, Set, Stage};
+use crate::table::{REQUIREMENTS, STAGES, TABLE};
 
 /// What stands between the part that is the same everywhere and that of the real recordings.
 const REAL: &str = "\n## Real recordings\n";
@@ -74,6 +74,29 @@ pub fn table(measured: &BTreeMap<Key, Errors>, which: impl Fn(Set) -> bool) -> S
     out
 }
 
+/// Requirements, the sets that they hold for, and what was measured there.
+pub fn required(measured: &BTreeMap<Key, Errors>) -> impl Iterator<Item = (&'static Requirement, Set, &Errors)> {
+    let sets = |r: &'static Requirement| r.sets.iter().map(move |set| (r, *set));
+    REQUIREMENTS
+        .iter()
+        .flat_map(sets)
+        .filter_map(|(r, set)| Some((r, set, measured.get(&Key { stage: r.stage, pair: r.pair, set })?)))
+}
+
+/// The requirements on sets that `which` names, and whether they are met.
+fn requirements(measured: &BTreeMap<Key, Errors>, which: impl Fn(Set) -> bool) -> String {
+    let mut out = String::from(
+        "| what is required of fixed point beside float | inputs | changed (at most) | RMS (at most) | met |\n|---|---|---|---|---|\n",
+    );
+    for (r, set, errors) in required(measured).filter(|(_, set, _)| which(*set)) {
+        let rms = if r.rms.is_finite() { format!("{:.2e} ({:.1e})", errors.rms(), r.rms) } else { String::new() };
+        let met = if r.is_met(errors) { "yes" } else { "**no**" };
+        let share = format!("{:.2e} ({:.1e})", errors.share(), r.share);
+        let _ = writeln!(out, "| {} | {} | {share} | {rms} | {met} |", r.stage, set.name());
+    }
+    out
+}
+
 /// Where the table is committed.
 fn committed() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/conformance.md")
@@ -82,13 +105,24 @@ fn committed() -> PathBuf {
 /// The document; what it says of the real recordings stays as it is committed where they are missing.
 fn document(measured: &BTreeMap<Key, Errors>, old: &str) -> String {
     let mut out = String::from(include_str!("preface.md"));
+    out += &requirements(measured, |set| set != Set::Real);
+    out += "\n";
     out += &table(measured, |set| set != Set::Real);
     if measured.keys().any(|key| key.set == Set::Real) {
         let words = "\nFrames of real sensors, which are not part of the repository: without them this part is not checked.\n\n";
-        out + REAL + words + &table(measured, |set| set == Set::Real)
+        let real = |set| set == Set::Real;
+        out + REAL + words + &requirements(measured, real) + "\n" + &table(measured, real)
     } else {
         out + old.find(REAL).map_or("", |at| &old[at..])
     }
+}
+
+/// Whether the document keeps what it says of the real recordings where they are missing.
+pub fn keeps_real_rows(measured: &BTreeMap<Key, Errors>) -> bool {
+    let whole = document(measured, "");
+    let mut elsewhere = measured.clone();
+    elsewhere.retain(|key, _| key.set != Set::Real);
+    document(&elsewhere, &whole) == whole
 }
 
 /// Writes the document anew.

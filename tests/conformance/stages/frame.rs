@@ -4,8 +4,8 @@ use crate::errors::{Errors, Tally};
 use crate::inputs::{H, Scene, W};
 use crate::oracle::geometry::Pose;
 use crate::oracle::image::{bilateral, domain_transform, light};
-use crate::rows::Pair::{Float, Twins};
-use crate::stages::{Tools, ground, object, pipeline};
+use crate::rows::Pair::Float;
+use crate::stages::{Tools, ground, object, pipeline, twins};
 use pldi_core::floor::{RansacParams, ransac};
 use pldi_core::pipeline::QvgaPipeline;
 use pldi_core::reconstruct::{FilterKind, FilterParams};
@@ -16,17 +16,16 @@ pub const N_STEP: f64 = 1.0 / 128.0;
 
 /// All stages on one frame.
 pub fn measure(scene: &Scene, tools: &mut Tools, tally: &mut Tally) {
+    twins::measure(scene, tools, tally);
     let frame = Frame::new(&scene.depth, scene.colour.as_deref()).expect("a frame");
     if scene.stride > 0 {
         exact(scene, tally);
         pipeline(FilterKind::Bilateral, &scene.camera).reconstruct(&frame, &mut tools.workspace);
-        twin_depths(&frame, FilterKind::Bilateral, tools, tally.at("reconstruct: bilateral", Twins));
         let truth = domain_transform(&scene.metres(), None, W, H);
         add_depths(tally.at("reconstruct: bilateral", Float), tools.workspace.images.depth.as_flattened(), &truth);
     }
     let pipeline = pipeline(FilterKind::Joint, &scene.camera);
     pipeline.reconstruct(&frame, &mut tools.workspace);
-    twin_depths(&frame, FilterKind::Joint, tools, tally.at("reconstruct: joint", Twins));
     let mut truth = None;
     if scene.stride > 0 {
         let depth = domain_transform(&scene.metres(), scene.colour.as_deref(), W, H);
@@ -35,7 +34,7 @@ pub fn measure(scene: &Scene, tools: &mut Tools, tally: &mut Tally) {
         diffusion(scene, &pipeline, tools, tally);
     }
     if let Some(floor) = floor(scene, &pipeline, tools, tally) {
-        ground::measure(scene, &pipeline, &floor, tools, tally);
+        ground::measure(scene, &pipeline, &floor, truth.as_deref(), tools, tally);
         objects(&pipeline, &floor, truth.as_deref(), tools, tally);
     }
 }
@@ -45,16 +44,6 @@ fn add_depths(errors: &mut Errors, found: &[f32], truth: &[f64]) {
     let valid = |z: f64| (z > 0.0).then_some(z);
     for (found, truth) in found.iter().zip(truth) {
         errors.add_option(valid(f64::from(*found)), valid(*truth));
-    }
-}
-
-/// The depth in integers beside that in floats, which is cut where the integers end. 1 mm counts as another depth.
-fn twin_depths(frame: &Frame<'_, W, H>, kind: FilterKind, tools: &mut Tools, errors: &mut Errors) {
-    let found = tools.filter.reconstruct(frame, kind).as_flattened();
-    let valid = |z: f64| (z > 0.0).then_some(z);
-    for (found, float) in found.iter().zip(tools.workspace.images.depth.as_flattened()) {
-        let float = f64::from(*float).min(f64::from(u16::MAX) / 8000.0);
-        errors.add_within(valid(f64::from(*found) / 8000.0), valid(float), 1e-3);
     }
 }
 

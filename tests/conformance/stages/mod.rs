@@ -1,16 +1,23 @@
 //! Each stage of the core beside its truth, and its fixed-point twin beside it, on the same input.
 
-pub mod filter;
+pub mod clusters;
 pub mod fixed;
 pub mod frame;
 pub mod ground;
 pub mod numbers;
 pub mod object;
+pub mod twin_object;
+pub mod twins;
+
+use std::sync::LazyLock;
 
 use pldi_core::floor::FloorAxes;
-use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
+use pldi_core::pipeline::{QvgaFixedWorkspace, QvgaPipeline, QvgaWorkspace};
 use pldi_core::reconstruct::{FilterKind, FilterParams};
+use pldi_core::templates::Templates;
 use pldi_core::{Floor, Image, Intrinsics, Params};
+
+use pldi_host::templates::{EMBEDDED, fixed_file};
 
 use crate::oracle::geometry::Pose;
 
@@ -23,14 +30,27 @@ pub fn boxed<T: Copy, const X: usize, const Y: usize>(value: T) -> Box<Image<T, 
 pub struct Tools {
     /// The float stages' memory.
     pub workspace: Box<QvgaWorkspace>,
-    /// The fixed-point filter's.
-    pub filter: Box<filter::Memory>,
+    /// The fixed-point stages'.
+    pub fixed: Box<QvgaFixedWorkspace>,
+    /// The embedded templates.
+    pub templates: Templates<'static>,
+    /// The same for the fixed-point pipeline.
+    pub codes: Templates<'static>,
 }
+
+/// The bytes of the templates for the fixed-point pipeline.
+static CODES: LazyLock<Vec<u8>> = LazyLock::new(|| fixed_file(EMBEDDED).expect("the embedded templates"));
 
 impl Tools {
     /// Empty memory.
     pub fn new() -> Self {
-        Self { workspace: Box::new(QvgaWorkspace::new()), filter: Box::new(filter::Memory::new()) }
+        let parse = |bytes| Templates::parse(bytes).expect("the embedded templates");
+        Self {
+            workspace: Box::new(QvgaWorkspace::new()),
+            fixed: Box::new(QvgaFixedWorkspace::new()),
+            templates: parse(EMBEDDED),
+            codes: parse(&CODES),
+        }
     }
 }
 

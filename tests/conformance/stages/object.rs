@@ -6,10 +6,10 @@ use crate::inputs::{H, W, analytic, extremes, views};
 use crate::oracle::geometry::{Fitted, Frontal, Pose};
 use crate::oracle::image::{light, point};
 use crate::oracle::numbers::{self, Kind};
-use crate::rows::Pair::Float;
+use crate::rows::Pair::{Fixed, Float, Twins};
 use crate::rows::Set;
 use crate::stages::frame::{N_STEP, fraction, some};
-use crate::stages::{Tools, boxed, pipeline, pose};
+use crate::stages::{Tools, boxed, pipeline, pose, twin_object};
 use pldi_core::descriptor::{self, Descriptor, DescriptorKind, View};
 use pldi_core::pipeline::{QvgaPipeline, QvgaWorkspace};
 use pldi_core::reconstruct::FilterKind;
@@ -144,8 +144,8 @@ fn apart(found: &Descriptor, truth: &[f64]) -> f64 {
 /// All rendered views of one object.
 pub fn views(object: usize, tools: &mut Tools, tally: &mut Tally) {
     let pipeline = pipeline(FilterKind::None, &views::CAMERA);
-    let templates = Templates::parse(pldi_host::templates::EMBEDDED).expect("the embedded templates");
     for (i, view) in views::views(object).iter().enumerate() {
+        twin_object::rendered(view, tools, tally);
         let floor = Floor::from_pose(view.camera.height, view.camera.pitch, view.camera.roll).expect("a pose");
         for (z, depth) in tools.workspace.images.depth.as_flattened_mut().iter_mut().zip(&view.depth) {
             *z = f32::from(*depth) / 8000.0;
@@ -160,7 +160,7 @@ pub fn views(object: usize, tools: &mut Tools, tally: &mut Tally) {
         // The whole way on some of the views.
         let whole = (i + object).is_multiple_of(views::VIEWS);
         measure(&pipeline, 0, &floor, whole.then_some(&depth[..]), tools, tally);
-        nearest(&templates, &found, tally);
+        nearest(&tools.templates, &found, tally);
     }
 }
 
@@ -178,6 +178,7 @@ fn nearest(templates: &Templates<'_>, descriptor: &Descriptor, tally: &mut Tally
 pub fn extreme_views(tally: &mut Tally) {
     for view in extremes::views() {
         of_view(&view, tally);
+        twin_object::of_view(&view, None, tally);
     }
 }
 
@@ -188,17 +189,26 @@ pub fn check_the_filter() {
 
 /// The Canberra distance between descriptors, up to 58.
 pub fn canberra(tally: &mut Tally) {
-    let errors = tally.at("matching: Canberra distance", Float);
     let mut random = Random(40);
     let mut all: Vec<Descriptor> = extremes::views()
         .iter()
         .map(|view| descriptor::describe(view, DescriptorKind::Halves, &mut boxed(0.0)))
         .collect();
+    let extremes = all.len();
     all.extend((0..60).map(|_| core::array::from_fn(|i| (random.between(-0.2, 1.0) * ((i % 7) as f64)) as f32)));
-    for a in &all {
-        for b in &all {
+    for (i, a) in all.iter().enumerate() {
+        for (j, b) in all.iter().enumerate() {
             let truth = numbers::canberra(&a.map(f64::from), &b.map(f64::from));
-            errors.add(f64::from(matching::canberra(a, b)), truth);
+            let float = f64::from(matching::canberra(a, b));
+            tally.at("matching: Canberra distance", Float).add(float, truth);
+            let codes = [a, b].map(|d| d.map(descriptor::fixed::encode));
+            let found = f64::from(matching::fixed::canberra(&codes[0], &codes[1])) / 65_536.0;
+            // Magnitudes that no code has count as 0.
+            if i.min(j) >= extremes {
+                tally.at("matching: Canberra distance", Twins).add(found, float);
+            }
+            let [a, b] = codes.map(|d| d.map(|code| f64::from(descriptor::fixed::decode(code))));
+            tally.at("matching: Canberra distance", Fixed).add(found, numbers::canberra(&a, &b));
         }
     }
 }
