@@ -39,7 +39,7 @@ pub fn cell(camera: &Intrinsics, pose: &Pose, area: &Area, (u, v): (usize, usize
     let inside = z > 0.0 && (0.02 + 0.004 * z * z..=2.2).contains(&up) && area.contains(right, forward);
     let (column, row) = (libm::floor(right / CELL) as i64 + 128, libm::floor(forward / CELL) as i64);
     let inside = inside && (0..COLUMNS as i64).contains(&column) && (0..ROWS as i64).contains(&row);
-    inside.then_some(row as usize * COLUMNS + column as usize)
+    inside.then(|| row as usize * COLUMNS + column as usize)
 }
 
 /// The centre of a cell (right, forward) in cells.
