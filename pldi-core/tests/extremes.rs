@@ -124,7 +124,7 @@ fn nothing_overflows() {
 fn rows_and_whole_frames_leave_the_same_bits() {
     common::with_stack(|| {
         let mut random = common::Random(3);
-        let depth = depth_of(|u, v| if random.bits() % 5 == 0 { 0 } else { (800 + 3 * u + 5 * v) as u16 });
+        let depth = depth_of(|u, v| if random.bits().is_multiple_of(5) { 0 } else { (800 + 3 * u + 5 * v) as u16 });
         let colour = colour_of(|u, v| [(u / 3) as u8, v as u8, (u * v / 300) as u8]);
         let camera = rays::fixed::Intrinsics::new(&Intrinsics::KINECT_QVGA).unwrap();
         let pipeline = QvgaFixedPipeline::new(&FixedParams::new(&Params::DEFAULT).unwrap(), &camera).unwrap();

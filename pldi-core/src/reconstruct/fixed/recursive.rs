@@ -1,14 +1,14 @@
 //! The recursive filter of the domain transform in integers, on depth and mask at once, both ways along rows and columns.
 //!
 //! Four rows or columns at a time are widened to 32 bits: the weight m, and the product s = D m of depth and weight (see
-//! [`quad`]). `F[x] += a^d[x] (F[x-1] - F[x])` runs forth and back on them without a division; then D = s/m goes back
+//! `quad`). `F[x] += a^d[x] (F[x-1] - F[x])` runs forth and back on them without a division; then D = s/m goes back
 //! into 16 bits, rounded to nearest. So a depth is rounded once per pass, not once per step: a feedback filter that
 //! rounds its own output to 1/8 mm at each step would stick up to half a millimetre beside its mean.
 
 use super::quad::{self, BLOCK, Cell, LANES, Lane, Short, Way};
 use crate::Image;
 
-/// Scratch for [`LANES`] rows or columns: the products and the weights. Columns may not be longer than rows.
+/// Scratch for `LANES` rows or columns: the products and the weights. Columns may not be longer than rows.
 pub type Lines<const W: usize> = [[Lane; 2]; W];
 
 /// Filters the rows in place; `codes` index `weights` (Q16) and lie between the pixels x - 1 and x.
