@@ -38,15 +38,23 @@ pub(crate) enum Mode {
 
 /// One step for each artefact.
 pub(crate) fn run(report: &mut Report, mode: Mode) {
-    for artefact in ARTEFACTS {
-        report.step(format!("golden data {}", artefact.path), || {
-            let committed = root().join(artefact.path);
-            let made = target_dir().join("golden").join(artefact.path);
-            prepare(&made)
-                .and_then(|| run_command(cargo(artefact.cargo).arg(&made)))
-                .and_then(|| settle(mode, &committed, &made).into())
-        });
-    }
+    ARTEFACTS.iter().for_each(|artefact| step(report, mode, artefact));
+}
+
+/// The check sums of what every stage leaves behind: a single bit that changes in any of them is noticed.
+pub(crate) fn digests(report: &mut Report) {
+    let digests = ARTEFACTS.iter().filter(|artefact| artefact.path.ends_with("digests.txt"));
+    digests.for_each(|artefact| step(report, Mode::Check, artefact));
+}
+
+fn step(report: &mut Report, mode: Mode, artefact: &Artefact) {
+    report.step(format!("golden data {}", artefact.path), || {
+        let committed = root().join(artefact.path);
+        let made = target_dir().join("golden").join(artefact.path);
+        prepare(&made)
+            .and_then(|| run_command(cargo(artefact.cargo).arg(&made)))
+            .and_then(|| settle(mode, &committed, &made).into())
+    });
 }
 
 /// Makes the folder, and removes what an earlier run left: it must not pass for this one's output.

@@ -32,8 +32,8 @@ Tasks:
   size --renew      writes docs/memory.md anew
   golden            makes the committed golden data anew
   golden --check    makes it elsewhere and compares it byte for byte with what is committed
-  conformance       compares all stages with their truth, fixed point with float, and the stages of `pldi` with the
-                    reference on real recordings
+  conformance       compares the stages' bits with the golden ones, all stages with their truth, fixed point with
+                    float, and the stages of `pldi` with the reference on real recordings
   conformance --renew   the same without the reference, and writes docs/conformance.md
   help              this text
 
@@ -57,6 +57,7 @@ fn main() -> ExitCode {
         ["golden"] => golden::run(&mut report, golden::Mode::Renew),
         ["golden", "--check"] => golden::run(&mut report, golden::Mode::Check),
         ["conformance"] => {
+            golden::digests(&mut report);
             conformance::suite(&mut report, conformance::Document::Check);
             conformance::run(&mut report);
         }
