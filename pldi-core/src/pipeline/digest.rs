@@ -61,10 +61,22 @@ pub fn run<A: Arithmetic, const W: usize, const H: usize>(
     templates: &Templates<'_>,
     workspace: &mut Workspace<A, W, H>,
 ) -> Result<Digests, Error> {
+    pipeline.reconstruct(frame, workspace);
+    recognise(pipeline, templates, workspace)
+}
+
+/// All stages after the first like [`Pipeline::recognise`], and what each stage left, the first one included.
+///
+/// # Errors
+/// As [`Pipeline::recognise`].
+pub fn recognise<A: Arithmetic, const W: usize, const H: usize>(
+    pipeline: &Pipeline<A, W, H>,
+    templates: &Templates<'_>,
+    workspace: &mut Workspace<A, W, H>,
+) -> Result<Digests, Error> {
     let mut sums = [0; STAGES.len()];
     let [depth, floor_sum, ground, clusters, n, coefficients, descriptors, hypotheses] = &mut sums;
     workspace.report.clear();
-    pipeline.reconstruct(frame, workspace);
     *depth = A::feed_depth(&workspace.images, 0);
     let Some(floor) = pipeline.find_floor(workspace) else { return Ok(sums) };
     *floor_sum = floor.feed(0);
