@@ -2,6 +2,7 @@
 #![deny(unsafe_code)]
 #![doc = include_str!("../README.md")]
 
+mod array;
 mod crc;
 mod eigen;
 mod error;

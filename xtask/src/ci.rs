@@ -2,7 +2,7 @@
 
 use crate::process::{cargo, run as run_command};
 use crate::report::Report;
-use crate::{conformance, golden, nofloat, nostd, size};
+use crate::{conformance, golden, nofloat, nopanic, nostd, size};
 
 /// `pldi-core`'s features. A test below keeps this list as the manifest has it.
 const CORE_FEATURES: [&str; 3] = ["defmt", "nalgebra", "approx-math"];
@@ -28,6 +28,7 @@ pub(crate) fn run(report: &mut Report) {
     step(report, "tests, pldi-core with nalgebra", "test -p pldi-core --locked --no-fail-fast --features nalgebra");
     nostd::run(report);
     nofloat::run(report);
+    nopanic::run(report);
     size::run(report, golden::Mode::Check);
     golden::run(report, golden::Mode::Check);
     conformance::suite(report, conformance::Document::Check);

@@ -9,10 +9,12 @@ mod elf;
 mod golden;
 mod instructions;
 mod nofloat;
+mod nopanic;
 mod nostd;
 mod process;
 mod report;
 mod size;
+mod symbols;
 
 use std::process::ExitCode;
 
@@ -27,6 +29,7 @@ Tasks:
   ci                everything below, after formatting, lints, documentation and tests: what CI runs
   nostd             pldi-core for microcontrollers, with and without its features
   nofloat           that the pipeline in integers needs no float routine
+  nopanic           that no path to a panic is left in either pipeline
   instructions      counts the instructions of each stage in both arithmetics (valgrind); not part of ci
   size              prints the memory plan of the pipeline in integers, compares it with docs/memory.md
   size --renew      writes docs/memory.md anew
@@ -51,6 +54,7 @@ fn main() -> ExitCode {
         ["ci"] => ci::run(&mut report),
         ["nostd"] => nostd::run(&mut report),
         ["nofloat"] => nofloat::run(&mut report),
+        ["nopanic"] => nopanic::run(&mut report),
         ["instructions"] => instructions::run(&mut report),
         ["size"] => size::run(&mut report, golden::Mode::Check),
         ["size", "--renew"] => size::run(&mut report, golden::Mode::Renew),

@@ -1,15 +1,10 @@
 //! The pipeline in integers, linked for a core without FPU: no routine of software floating point may be in it.
 //!
-//! `tests/nofloat` calls all of it; the linker keeps what those calls need. The check looks for the names of the
-//! compiler's float routines among the program's symbols, and then proves that it would see one: built with one float
-//! multiplication more, the same check must fail.
+//! The check looks for the names of the compiler's float routines among the program's symbols, and then proves that it
+//! would see one: built with one float multiplication more, the same check must fail.
 
-use std::path::{Path, PathBuf};
-
-use crate::elf;
-use crate::nostd::{self, Toolchain};
-use crate::process::{program, root, run as run_command, target_dir};
 use crate::report::{Outcome, Report};
+use crate::symbols::Program;
 
 /// A core without FPU.
 const TARGET: &str = "thumbv7m-none-eabi";
@@ -17,65 +12,22 @@ const TARGET: &str = "thumbv7m-none-eabi";
 /// One step.
 pub(crate) fn run(report: &mut Report) {
     report.step(format!("no float routine in the integer pipeline, {TARGET}"), || {
-        let Some(toolchain) = nostd::toolchain(TARGET) else { return nostd::missing(TARGET) };
-        let built = |features: &str| build(toolchain, features);
-        built("")
-            .and_then(|| match float_symbols(&image("clean")) {
-                Ok(found) if found.is_empty() => Outcome::Passed,
-                Ok(found) => Outcome::Failed(format!("the program has float routines: {}", found.join(", "))),
-                Err(why) => Outcome::Failed(why),
+        let clean = Program { name: "fixed", target: TARGET, feature: "" };
+        clean
+            .find(is_float_routine, |found| match found[..] {
+                [] => Outcome::Passed,
+                _ => Outcome::Failed(format!("the program has float routines: {}", found.join(", "))),
             })
-            .and_then(|| built("float"))
-            .and_then(|| match float_symbols(&image("poisoned")) {
-                Ok(found) if found.is_empty() => {
-                    Outcome::Failed("a float multiplication was put in, and the check does not see it".into())
-                }
-                Ok(found) => {
-                    println!("with a float multiplication put in: {}", found.join(", "));
-                    Outcome::Passed
-                }
-                Err(why) => Outcome::Failed(why),
+            .and_then(|| {
+                Program { feature: "float", ..clean }.find(is_float_routine, |found| match found[..] {
+                    [] => Outcome::Failed("a float multiplication was put in, and the check does not see it".into()),
+                    _ => {
+                        println!("with a float multiplication put in: {}", found.join(", "));
+                        Outcome::Passed
+                    }
+                })
             })
     });
-}
-
-/// Where the program is built, with and without the float multiplication.
-fn image(variant: &str) -> PathBuf {
-    target_dir().join("nofloat").join(variant).join(TARGET).join("release/nofloat")
-}
-
-fn build(toolchain: Toolchain, features: &str) -> Outcome {
-    let variant = if features.is_empty() { "clean" } else { "poisoned" };
-    let line = format!("build --release --manifest-path tests/nofloat/Cargo.toml --target {TARGET}");
-    let mut command = nostd::cargo_for(toolchain, &line, &target_dir().join("nofloat").join(variant));
-    if !features.is_empty() {
-        command.arg("--features").arg(features);
-    }
-    // The program starts nowhere: what must be kept is named.
-    command.env("CARGO_TARGET_THUMBV7M_NONE_EABI_RUSTFLAGS", "-Clink-arg=--entry=entry");
-    if let Some(linker) = rust_lld() {
-        command.env("CARGO_TARGET_THUMBV7M_NONE_EABI_LINKER", linker);
-    }
-    run_command(&mut command)
-}
-
-/// The linker that comes with the compiler in use; Debian's compiler comes without.
-fn rust_lld() -> Option<PathBuf> {
-    let output = program("rustc").args(["--print", "target-libdir"]).output().ok()?;
-    let libdir = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-    let linker = Path::new(&libdir).parent()?.join("bin/rust-lld");
-    linker.exists().then_some(linker)
-}
-
-fn float_symbols(image: &Path) -> Result<Vec<String>, String> {
-    let path = image.strip_prefix(root()).unwrap_or(image).display();
-    let bytes = std::fs::read(image).map_err(|error| format!("{path}: {error}"))?;
-    let symbols = elf::symbols(&bytes).ok_or_else(|| format!("{path} is no 32-bit ELF file with symbols"))?;
-    if !symbols.iter().any(|name| name == "entry") {
-        return Err(format!("{path}: the entry point is missing"));
-    }
-    println!("{path}: {} symbols", symbols.len());
-    Ok(symbols.into_iter().filter(|name| is_float_routine(name)).collect())
 }
 
 /// Whether a symbol is one of the compiler's or libm's float routines (the names of the ARM run-time ABI, section 4.1.2,

@@ -32,7 +32,8 @@ pub fn diffusion<const W: usize, const H: usize>(
             }
             let directions = normals::directions(depth, rays, radius, u, v);
             for (i, out) in out.iter_mut().enumerate() {
-                if let (true, Some(direction)) = (mask[i], directions[i]) {
+                // No block is longer; the compiler does not see it.
+                if let (true, Some(direction)) = (mask[i % LANES], directions[i % LANES]) {
                     *out = cosine(direction, rays.point(u + i, v, 1.0));
                 }
             }

@@ -3,6 +3,7 @@
 pub mod fixed;
 pub mod ransac;
 
+use crate::array::transposed;
 use crate::{Error, math};
 pub use ransac::RansacParams;
 
@@ -96,7 +97,7 @@ impl FloorAxes {
     #[inline]
     pub fn to_camera(&self, q: [f32; 3]) -> [f32; 3] {
         let up = q[2] - self.floor.height;
-        core::array::from_fn(|i| q[0] * self.right[i] + q[1] * self.forward[i] + up * self.floor.normal[i])
+        transposed([self.right, self.forward, self.floor.normal]).map(|[r, f, n]| q[0] * r + q[1] * f + up * n)
     }
 }
 

@@ -217,14 +217,19 @@ fn follow(marks: &mut Map<u8>, column: i32, row: i32, points: &mut Points<'_>) -
 /// Labels what lies within a border: along a row, from each left side that it passes to the next right side.
 fn fill(marks: &Map<u8>, labels: &mut Map<u8>, label: u8, [left, top, right, bottom]: Bounds) -> u32 {
     let mut cells = 0;
-    for row in top as usize..=bottom as usize {
+    let (rows, columns) = (top as usize..=bottom as usize, left as usize..=right as usize);
+    let lines = marks.get(rows.clone()).into_iter().flatten().zip(labels.get_mut(rows).into_iter().flatten());
+    for (marks, labels) in lines {
         let mut inside = false;
-        for column in left as usize..=right as usize {
-            let foreign = labels[row][column] != 0;
-            let sides = if foreign { 0 } else { marks[row][column] };
+        let (Some(marks), Some(line)) = (marks.get(columns.clone()), labels.get_mut(columns.clone())) else {
+            continue;
+        };
+        for (mark, cell) in marks.iter().zip(line) {
+            let foreign = *cell != 0;
+            let sides = if foreign { 0 } else { *mark };
             inside |= sides & LEFT != 0;
             if inside && !foreign {
-                labels[row][column] = label;
+                *cell = label;
                 cells += 1;
             }
             if sides & RIGHT != 0 {

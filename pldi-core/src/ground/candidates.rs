@@ -247,7 +247,7 @@ fn measure(cluster: &mut Cluster, contour: &[ContourPoint], axes: &FloorAxes) {
     if contour.is_empty() {
         return;
     }
-    let [a, b] = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
+    let (a, b) = (0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]));
     let (right, forward) = (a * along[1] + b * along[0], b * along[1] - a * along[0]);
     cluster.center = axes.to_camera([right, forward, 0.5 * cluster.top]);
     cluster.size = [high[0] - low[0] + CELL, cluster.top, high[1] - low[1] + CELL];

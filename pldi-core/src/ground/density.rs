@@ -95,7 +95,9 @@ pub fn project<const W: usize, const H: usize>(
             }
             if let Some((column, row)) = cell_of(right, forward) {
                 *cell = (row * MAP_WIDTH + column) as u16;
-                counts[row][column] += z * z * pixel;
+                if let Some(count) = counts.get_mut(row).and_then(|line| line.get_mut(column)) {
+                    *count += z * z * pixel;
+                }
             }
         }
     }

@@ -32,7 +32,8 @@ const COARSE_OFFSET: u16 = FINE_OFFSET + (COARSE >> 2) - (COARSE >> 7);
 /// The largest difference: also that of numbers with different signs, and to 0.
 const APART: u16 = i16::MAX as u16;
 
-const ENTRIES: usize = (COARSE_OFFSET + (APART >> 7) + 1) as usize;
+/// A power of two, so that a mask keeps indices within; those beyond the largest difference's are never used.
+const ENTRIES: usize = ((COARSE_OFFSET + (APART >> 7) + 1) as usize).next_power_of_two();
 
 /// tanh(ln 2 / 2 * d / 1024) in Q15, for the middle of the differences d of each entry.
 static TERMS: [u16; ENTRIES] = {
@@ -104,7 +105,7 @@ fn terms<const N: usize>(a: &[u16; N], b: &[u16; N]) -> u32 {
         at[i] = index((a[i] & !SIGN).abs_diff(b[i] & !SIGN) | apart);
     }
     // Q15: 2^19 at most.
-    at.iter().map(|at| u32::from(TERMS[usize::from(*at)])).sum::<u32>() << 1
+    at.iter().map(|at| u32::from(TERMS[usize::from(*at) % ENTRIES])).sum::<u32>() << 1
 }
 
 impl Measure for u32 {

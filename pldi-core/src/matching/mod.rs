@@ -86,18 +86,31 @@ fn search<D: Measure>(
             *best = Hypothesis { class, object, view, distance, score: D::FAR };
         }
     }
-    let mut order: Vec<Hypothesis<D>, MAX_CLASSES> = best.iter().copied().filter(|h| h.distance < D::FAR).collect();
-    order.sort_unstable_by(|a, b| {
-        let by_distance = a.distance.partial_cmp(&b.distance).unwrap_or(core::cmp::Ordering::Equal);
-        by_distance.then(a.class.cmp(&b.class))
-    });
-    let first = order.first().map_or(D::FAR, |h| h.distance);
-    let second = order.get(1).map_or(D::FAR, |h| h.distance);
-    let scored = order.iter().enumerate().map(|(rank, h)| {
+    let order = nearest_classes(&best, none);
+    let [first, second, ..] = order.map(|h| h.distance);
+    let mut hypotheses = Vec::new();
+    for (rank, h) in order.iter().enumerate().filter(|(_, h)| h.distance < D::FAR) {
         let other = if rank == 0 { second } else { first };
-        Hypothesis { score: D::margin(h.distance, other), ..*h }
-    });
-    scored.take(MAX_HYPOTHESES).collect()
+        // As many fit as there are.
+        let _ = hypotheses.push(Hypothesis { score: D::margin(h.distance, other), ..*h });
+    }
+    hypotheses
+}
+
+/// The nearest of all classes, best first, of equally near ones the first; where there are fewer, `none` follows.
+fn nearest_classes<D: Measure>(classes: &[Hypothesis<D>], none: Hypothesis<D>) -> [Hypothesis<D>; MAX_HYPOTHESES] {
+    let mut order = [none; MAX_HYPOTHESES];
+    for class in classes {
+        let (mut moved, mut nearer) = (*class, false);
+        for place in &mut order {
+            // From the first farther one on, all move up.
+            nearer |= moved.distance < place.distance;
+            if nearer {
+                core::mem::swap(place, &mut moved);
+            }
+        }
+    }
+    order
 }
 
 #[cfg(test)]

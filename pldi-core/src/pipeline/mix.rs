@@ -21,7 +21,7 @@
 //!
 //! For hosts: this module computes in floats.
 
-use super::{Detection, Fixed, FixedImages, Float, FloatImages, Report};
+use super::{Detection, Fixed, FixedImages, Float, FloatImages, Hypotheses, Report};
 use crate::fixed::{METRE, METRE_OF_DEPTH};
 use crate::ground::Cluster;
 use crate::matching::Hypothesis;
@@ -104,22 +104,22 @@ pub fn cluster_to_fixed(from: &Cluster) -> Cluster<i32> {
 pub fn report_to_float(from: &Report<Fixed>, to: &mut Report<Float>) {
     to.clear();
     to.floor = from.floor.map(|floor| floor.to_float());
-    // All capacities are the same.
-    to.clusters.extend(from.clusters.iter().map(cluster_to_float));
+    // All capacities are the same: as many fit as there are.
+    for cluster in &from.clusters {
+        let _ = to.clusters.push(cluster_to_float(cluster));
+    }
     to.contours.clone_from(&from.contours);
     for detection in &from.detections {
         let q16 = |value: u32| value as f32 / 65_536.0;
-        let hypotheses = detection.hypotheses.iter().map(|h| Hypothesis {
-            class: h.class,
-            object: h.object,
-            view: h.view,
-            distance: q16(h.distance),
-            score: q16(h.score),
-        });
+        let mut hypotheses = Hypotheses::<Float>::new();
+        for h in &detection.hypotheses {
+            let Hypothesis { class, object, view, .. } = *h;
+            let _ = hypotheses.push(Hypothesis { class, object, view, distance: q16(h.distance), score: q16(h.score) });
+        }
         let _ = to.detections.push(Detection {
             cluster: detection.cluster,
             descriptor: detection.descriptor.map(descriptor::fixed::decode),
-            hypotheses: hypotheses.collect(),
+            hypotheses,
         });
     }
 }

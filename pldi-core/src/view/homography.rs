@@ -6,6 +6,7 @@
 //! object in front of the camera and takes its distance away. The view is then what a camera at the sensor's own height
 //! sees of pi_f when it looks at the object's middle: so the view does not depend on the sensor's pitch either.
 
+use crate::array::transposed;
 use crate::{FloorAxes, Intrinsics, math};
 
 /// Distance of pi_f from the camera along the floor, in metres: that of the templates' ring (paper, section 6.1), and about
@@ -28,10 +29,14 @@ impl Homography {
         }
         let (sin, cos) = (x / length, y / length);
         let foot = axes.to_camera([x, y, 0.0]);
-        let across: [f32; 3] = core::array::from_fn(|i| cos * axes.right[i] - sin * axes.forward[i]);
-        let columns = [across, axes.floor.normal, foot];
-        let row = |f: f32, c: f32, i: usize| columns.map(|p| f * p[i] + c * p[2]);
-        Some(Self([row(intrinsics.fx, intrinsics.cx, 0), row(intrinsics.fy, intrinsics.cy, 1), columns.map(|p| p[2])]))
+        let rows = transposed([axes.right, axes.forward, axes.floor.normal]);
+        let columns = [rows.map(|[right, forward, _]| cos * right - sin * forward), axes.floor.normal, foot];
+        let (fx, fy, cx, cy) = (intrinsics.fx, intrinsics.fy, intrinsics.cx, intrinsics.cy);
+        Some(Self([
+            columns.map(|[x, _, z]| fx * x + cx * z),
+            columns.map(|[_, y, z]| fy * y + cy * z),
+            columns.map(|[_, _, z]| z),
+        ]))
     }
 
     /// From a frontal view to the coordinates (s, t): the camera stands `height` metres above the floor and
@@ -48,9 +53,8 @@ impl Homography {
 
     /// This map after another: `self.after(g)` takes x to self(g(x)).
     pub fn after(&self, first: &Self) -> Self {
-        Self(self.0.map(|row| {
-            core::array::from_fn(|j| row[0] * first.0[0][j] + row[1] * first.0[1][j] + row[2] * first.0[2][j])
-        }))
+        let columns = transposed(first.0);
+        Self(self.0.map(|row| columns.map(|column| row[0] * column[0] + row[1] * column[1] + row[2] * column[2])))
     }
 
     /// The image of a point; `None` behind the camera or at infinity.

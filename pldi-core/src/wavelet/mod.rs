@@ -60,11 +60,12 @@ pub fn transform(plane: &mut Plane) {
 
 /// One level along a row of `size` values.
 fn transform_row(row: &mut [f32; SIZE], size: usize) {
-    let half = size / 2;
+    // Never larger; the compiler does not see it.
+    let half = (size / 2).min(HALF);
     let (mut even, mut odd) = ([0.0; HALF + 2 * PAD], [0.0; HALF + 2 * PAD]);
     let (pairs, _) = row.as_chunks::<2>();
     for i in 0..half + 2 * PAD {
-        let [e, o] = pairs[(i + size - PAD) % half];
+        let [e, o] = pairs[(i + size - PAD) & (half - 1) & (HALF - 1)];
         (even[i], odd[i]) = (e, o);
     }
     for o in 0..half {
@@ -75,14 +76,15 @@ fn transform_row(row: &mut [f32; SIZE], size: usize) {
 
 /// One level along the columns `first..first + LANES` (as many of them as lie within `size`).
 fn transform_columns(plane: &mut Plane, first: usize, size: usize) {
-    let (half, width) = (size / 2, LANES.min(size - first));
+    let (half, width) = ((size / 2).min(HALF), LANES.min(size - first));
     let mut input = [[0.0; LANES]; SIZE];
     for (to, from) in input.iter_mut().zip(plane.iter()).take(size) {
         to[..width].copy_from_slice(&from[first..first + width]);
     }
     for o in 0..half {
         // Outputs 1 and 2 before the end wrap around at the bottom, output 0 and 1 at the top.
-        let rows: [&[f32; LANES]; 8] = core::array::from_fn(|k| &input[(2 * o + k + 4 * size - 3) % size]);
+        let rows: [&[f32; LANES]; 8] =
+            core::array::from_fn(|k| &input[(2 * o + k + 4 * size - 3) & (size - 1) & (SIZE - 1)]);
         let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
             low[i] = taps(&LOW, |k| rows[k][i]);

@@ -58,7 +58,7 @@ fn cosine(normal: [i32; 3], x: i32, y: i32) -> u16 {
     let (zl, zs) = (lengths.leading_zeros(), square.leading_zeros());
     // Mantissas of 32 and 16 bits: the quotient, N^2 times a power of 2, has 16 or 17.
     let divisor = ((((lengths << zl) >> 47) + 1) >> 1) as u32;
-    let quotient = ((square << zs) >> 32) as u32 / divisor;
+    let quotient = ((square << zs) >> 32) as u32 / divisor.max(1);
     // N^2 = square 2^(-2 za) / (lengths 2^(-zn - zv)) = quotient 2^-16 2^(zn + zv + zl - 2 za - zs), in Q32:
     let exponent = 16 + (zn + zv + zl) as i32 - (2 * za + zs) as i32;
     let square = if exponent >= 0 {

@@ -114,7 +114,8 @@ impl<'a, const W: usize, const H: usize> Normals<'a, W, H> {
         let k = self.rays.intrinsics();
         let columns = self.rays.x().get(u..(u + LANES).min(W)).unwrap_or(&[]);
         let x = columns.iter().fold(0, |most, x| x.unsigned_abs().max(most));
-        let near = nearest - self.radius;
+        // At least MARGIN for depths of `depth_at`.
+        let near = (nearest - self.radius).max(1);
         // An offset along a row is within the radius times sqrt(1 + x^2), one across within that of y.
         let reach = |slope: u32, focal: i32, size: usize| {
             let extent = u64::from(secant(slope)) * self.radius as u64;
@@ -129,10 +130,11 @@ impl<'a, const W: usize, const H: usize> Normals<'a, W, H> {
             columns: reach(x, k.fx, W),
             near,
             width2: (1 << 12) + u64::from(x10 * x10 / (along >> 12).max(1)) + 1,
-            lean: (((u64::from(x10) * u64::from(y10 + 1) / u64::from(along.isqrt())) as u32 * self.radius as u32)
+            lean: (((u64::from(x10) * u64::from(y10 + 1) / u64::from(along.isqrt().max(1))) as u32
+                * self.radius as u32)
                 >> 10)
                 + 1,
-            across: ((1u64 << 44) / u64::from((1 << 20) + (y10 + 1) * (y10 + 1))) as u32,
+            across: ((1u64 << 44) / u64::from(((1 << 20) + (y10 + 1) * (y10 + 1)).max(1))) as u32,
             pixels: ((k.fx as u32) / near as u32) as u64 + 1,
         }
     }

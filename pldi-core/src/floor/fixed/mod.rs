@@ -5,6 +5,7 @@ mod plane;
 pub mod ransac;
 
 use crate::Error;
+use crate::array::transposed;
 use crate::fixed::{METRE, mul_q30, quantise, sin_cos, unit};
 pub use params::RansacParams;
 
@@ -145,8 +146,7 @@ impl FloorAxes {
     #[inline]
     pub fn to_camera(&self, q: [i32; 3]) -> [i32; 3] {
         let q = [q[0], q[1], q[2] - self.floor.height];
-        let (r, f, n) = (self.right, self.forward, self.floor.normal);
-        core::array::from_fn(|i| along([r[i], f[i], n[i]], q))
+        transposed([self.right, self.forward, self.floor.normal]).map(|row| along(row, q))
     }
 }
 

@@ -236,7 +236,7 @@ fn refine(points: &Cloud<'_>, mut floor: Floor) -> Floor {
                 *sum += w * i64::from(c);
             }
         }
-        if total == 0 {
+        if total < 1 {
             return floor;
         }
         // In 1/4096 mm; for the moments, below 2^32 each and 2^56 in all, 1/4 mm suffice.

@@ -60,18 +60,18 @@ impl SensoryArea {
     ///
     /// Slopes are rounded down, at most 2 units off for cameras that look down by less than 60 degrees; all below 2^29.
     pub fn new(params: &AreaParams, intrinsics: &Intrinsics, floor: &Floor) -> Self {
-        let one = i64::from(ONE_Q30);
-        let down = i64::from(floor.normal[2]).clamp(-one, one);
+        const ONE: i64 = ONE_Q30 as i64;
+        let down = i64::from(floor.normal[2]).clamp(-ONE, ONE);
         // The ray (x, 0, 1) reaches x to the right and cos(pitch) forward; a camera looking straight down has no sides.
-        let forward = (((one * one - down * down) as u64).isqrt() as i64).max(one / 100);
+        let forward = (((ONE * ONE - down * down) as u64).isqrt() as i64).max(ONE / 100);
         let side = |column: i64| {
             let ray = ((((column << 16) - i64::from(intrinsics.cx)) << 30) / i64::from(intrinsics.fx.max(1)))
-                .clamp(-(one << 5), one << 5);
+                .clamp(-(ONE << 5), ONE << 5);
             (ray << 16).div_euclid(forward) as i32
         };
         let slope = |angle: i32| {
             let (sin, cos) = sin_cos(angle);
-            (i64::from(sin) << 16).div_euclid(i64::from(cos).max(one / 1000)) as i32
+            (i64::from(sin) << 16).div_euclid(i64::from(cos).max(ONE / 1000)) as i32
         };
         Self {
             near: params.near,

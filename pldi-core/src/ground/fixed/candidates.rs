@@ -235,7 +235,7 @@ fn measure(cluster: &mut Cluster, contour: &[ContourPoint], axes: &FloorAxes) {
     if contour.is_empty() {
         return;
     }
-    let [a, b] = [0, 1].map(|k| (low[k] + high[k]) / 2);
+    let (a, b) = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2);
     let (right, forward) = (mul_q30(a, cos) + mul_q30(b, sin), mul_q30(b, cos) - mul_q30(a, sin));
     cluster.center = axes.to_camera([right, forward, cluster.top / 2]);
     cluster.size = [high[0] - low[0] + CELL, cluster.top, high[1] - low[1] + CELL];

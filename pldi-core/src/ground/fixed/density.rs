@@ -171,7 +171,7 @@ impl Kernel {
             lateral,
             per_axial: ((1 << 40) / axial) as i64,
             per_lateral: ((1 << 40) / lateral) as i64,
-            peak: PER_TURN / (axial * lateral).isqrt(),
+            peak: PER_TURN / (axial * lateral).isqrt().max(1),
         }
     }
 }

@@ -30,9 +30,14 @@ pub struct DistanceTable {
     weights: [[u16; 256]; MAX_ITERATIONS],
 }
 
+/// What can be divided by: validated parameters never come to 0, but the compiler does not know.
+const fn divisor(x: u64) -> u64 {
+    if x == 0 { 1 } else { x }
+}
+
 /// A distance (Q24) in steps (Q24), Q16, at most 47.
 const fn codes(distance: u64, step: u64) -> u32 {
-    let codes = ((distance << 16) + step / 2) / step;
+    let codes = ((distance << 16) + step / 2) / divisor(step);
     if codes > 47 << 16 { 47 << 16 } else { codes as u32 }
 }
 
@@ -44,12 +49,12 @@ impl DistanceTable {
         let n = if n > MAX_ITERATIONS as u32 { MAX_ITERATIONS as u32 } else { n };
         // rate = sqrt(2) / sigma_H of the first iteration = sqrt(2/3) sqrt(4^N - 1) / (ss 2^(N-1)), Q24: at most 4.
         let root = (((1u64 << (2 * n)) - 1) << 40).isqrt();
-        let rate = (((ROOT_OF_TWO_THIRDS * root) >> 12) / (space << (n - 1))) | 1;
+        let rate = (((ROOT_OF_TWO_THIRDS * root) >> 12) / divisor(space << (n - 1))) | 1;
         // Distances in Q24.
-        let colour = (space << 24) / params.sigma_colour as u64;
-        let mm = (space << 15) / params.sigma_depth as u64;
+        let colour = (space << 24) / divisor(params.sigma_colour as u64);
+        let mm = (space << 15) / divisor(params.sigma_depth as u64);
         let least = ((REACH << 48) / rate).div_ceil(254) | 1;
-        let step = if mm > least { mm.div_ceil(mm / least) } else { least };
+        let step = if mm > least { mm.div_ceil(divisor(mm / least)) } else { least };
         let per_level = if matches!(params.kind, FilterKind::Joint) { codes(colour, step) } else { 0 };
         let per_mm = codes(mm, step);
         // From there on the code is 255 whatever the colours say.

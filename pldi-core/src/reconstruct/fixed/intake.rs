@@ -152,8 +152,10 @@ impl ColourRow<'_> {
                     for (y, row) in rows.iter().enumerate() {
                         for (column, value) in columns.clone().zip(row.get(columns.clone()).into_iter().flatten()) {
                             let c = pattern.channel(y, column);
-                            sum[c] += u32::from(*value);
-                            count[c] += 1;
+                            if let (Some(sum), Some(count)) = (sum.get_mut(c), count.get_mut(c)) {
+                                *sum += u32::from(*value);
+                                *count += 1;
+                            }
                         }
                     }
                 }
@@ -263,7 +265,7 @@ fn decode_depth<const W: usize>(row: DepthRow<'_>, range: DepthRange, out: &mut 
     if W == 0 || values.is_empty() || !values.len().is_multiple_of(W) {
         return Err(Error::PixelCount { image: "depth row", expected: W, found: values.len() });
     }
-    for (to, value) in out.iter_mut().zip(values.iter().step_by(values.len() / W)) {
+    for (to, value) in out.iter_mut().zip(values.iter().step_by((values.len() / W).max(1))) {
         *to = range.apply(match row {
             DepthRow::Millimetres(_) => *value,
             DepthRow::Raw(_, model) => model.millimetres(*value),

@@ -155,7 +155,7 @@ impl<const W: usize, const H: usize> Pixels<'_, W, H> {
                 high[k] = high[k].max(p);
             }
         });
-        if count == 0 {
+        if count < 1 {
             return None;
         }
         let centre = sum.map(|v| (v / count) as i32);

@@ -5,6 +5,7 @@
 //! determinant's sign, without a division. Between planes and the image, maps go to rays instead of pixels: all entries are
 //! then of like size, and 30 bits leave none of them coarse.
 
+use crate::array::transposed;
 use crate::fixed::{METRE, mul_q30, quantise, reciprocal, unit};
 use crate::floor::fixed::FloorAxes;
 use crate::rays::fixed::Intrinsics;
@@ -49,10 +50,10 @@ impl Homography {
         let [sin, cos, _] = unit([x, y, 0])?;
         let foot = axes.to_camera([centroid[0], centroid[1], 0]);
         // Directions in Q30, the foot in metres, Q30.
-        Some(Self::normalised(core::array::from_fn(|i| {
-            let across = mul_q30(cos, axes.right[i]) - mul_q30(sin, axes.forward[i]);
-            [i64::from(across), i64::from(axes.floor.normal[i]), (i64::from(foot[i]) << 23) / 1000]
-        })))
+        let rows = transposed([axes.right, axes.forward, axes.floor.normal]);
+        let across = rows.map(|[right, forward, _]| mul_q30(cos, right) - mul_q30(sin, forward));
+        let foot = foot.map(|c| (i64::from(c) << 23) / 1000);
+        Some(Self::normalised(transposed([across.map(i64::from), axes.floor.normal.map(i64::from), foot])))
     }
 
     /// From a frontal view to the coordinates (s, t), see [`crate::view::Homography::view_to_plane`]: `height` and `middle`
@@ -61,7 +62,7 @@ impl Homography {
         let cut = |length: i32| i64::from(length.clamp(-100 * METRE, 100 * METRE));
         let (height, drop, d) = (cut(height), cut(height) - cut(middle), i64::from(FRONTAL_DISTANCE));
         // Below 2^30.7 with 6 more bits.
-        let length = ((((drop << 6) * (drop << 6)) + ((d << 6) * (d << 6))) as u64).isqrt() as i64;
+        let length = ((((drop << 6) * (drop << 6)) + ((d << 6) * (d << 6))) as u64).isqrt().max(1) as i64;
         let (sin, cos) = ((drop << 36) / length, (d << 36) / length);
         // Metres in Q24 (below 2^31) times Q30.
         let times = |length: i64, q30: i64| (((length << 17) / 1000) * q30) >> 24;
@@ -75,11 +76,12 @@ impl Homography {
 
     /// This map after another: `self.after(g)` takes x to self(g(x)).
     pub fn after(&self, first: &Self) -> Self {
-        let product = |row: [i32; 3], j: usize| {
-            let part = |k: usize| i64::from(row[k]) * i64::from(first.0[k][j]);
+        let columns = transposed(first.0);
+        let product = |row: [i32; 3], column: [i32; 3]| {
+            let part = |k: usize| i64::from(row[k]) * i64::from(column[k]);
             part(0) + part(1) + part(2)
         };
-        Self::normalised(self.0.map(|row| core::array::from_fn(|j| product(row, j))))
+        Self::normalised(self.0.map(|row| columns.map(|column| product(row, column))))
     }
 
     /// A map to rays, continued to the camera's pixels.
@@ -87,7 +89,8 @@ impl Homography {
         let [x, y, z] = self.0;
         // Q16 pixels below 2^31 times entries below 2^30.
         let pixel = |ray: [i32; 3], focal: i32, centre: i32| {
-            core::array::from_fn(|j| i64::from(ray[j]) * i64::from(focal) + i64::from(z[j]) * i64::from(centre))
+            transposed([ray, z, z])
+                .map(|[ray, z, _]| i64::from(ray) * i64::from(focal) + i64::from(z) * i64::from(centre))
         };
         Self::normalised([
             pixel(x, intrinsics.fx, intrinsics.cx),

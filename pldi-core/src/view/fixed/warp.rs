@@ -88,10 +88,15 @@ impl Scan {
     fn columns(&self, start: [i64; 3], bbox: [u16; 4]) -> Range<usize> {
         let [left, top, right, bottom] = bbox.map(i64::from);
         let (mut first, mut end) = (0, SIZE);
-        // Coordinate k over the last one is at least (side 1) or at most (side -1) the bound: in 2^-16 of the numbers, so
-        // that a bound below 2^17 fits.
-        for (k, side, bound) in [(0, 1, left - 1), (1, 1, top - 1), (0, -1, right + 1), (1, -1, bottom + 1)] {
-            let beyond = |v: [i64; 3]| side * ((v[k] >> 18) - bound * (v[2] >> 18));
+        // The first or the second coordinate over the last one is at least (side 1) or at most (side -1) the bound: in 2^-16
+        // of the numbers, so that a bound below 2^17 fits.
+        for (first_one, side, bound) in
+            [(true, 1, left - 1), (false, 1, top - 1), (true, -1, right + 1), (false, -1, bottom + 1)]
+        {
+            let beyond = |[u, v, w]: [i64; 3]| {
+                let coordinate = if first_one { u } else { v };
+                side * ((coordinate >> 18) - bound * (w >> 18))
+            };
             let (a, b) = where_not_negative(beyond(start), beyond(self.right), SIZE);
             (first, end) = (first.max(a), end.min(b));
         }
