@@ -5,9 +5,14 @@
 //! pixels lie apart in the transformed domain, and that is computed row by row as the rows arrive ([`intake`]).
 
 pub mod distances;
+#[cfg(target_arch = "x86_64")]
+mod four;
 pub mod intake;
+#[cfg(target_arch = "x86_64")]
 mod quad;
 pub mod recursive;
+#[cfg_attr(target_arch = "x86_64", allow(dead_code, reason = "of the filter itself, the twin is in use"))]
+mod single;
 pub mod weight;
 
 pub use distances::DistanceTable;

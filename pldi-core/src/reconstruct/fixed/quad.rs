@@ -1,11 +1,5 @@
-//! The steps of the recursive filter on four pixels side by side. Twice, with the same bits: in plain integers, and in
-//! SSE2's.
-//!
-//! On the way along a line a pixel is the weight m in Q30 and the product s = D m of depth (1/8 mm) and weight in Q15,
-//! both below 2^31: differences fit 32 bits.
-
-use super::weight;
-use crate::fixed::reciprocal_of_16_bits;
+//! The steps of the recursive filter on four pixels side by side, for x86-64, of which SSE2 is a part. What is rare there
+//! is left to the form for one pixel; the tests compare the two.
 
 /// Pixels that are worked on side by side.
 pub const LANES: usize = 4;
@@ -22,9 +16,6 @@ pub type Short = [u16; LANES];
 /// s and m.
 pub type Cell = [Lane; 2];
 
-/// From this weight on (Q30) two terms of a series do for the division by it.
-const NEAR: i32 = (1 << 30) - 4_000_000;
-
 /// The way along the line: on the way forth numbers are rounded down, on the way back up, so that neither leaves a bias.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
@@ -32,58 +23,21 @@ pub enum Way {
     Back,
 }
 
-#[cfg(not(target_arch = "x86_64"))]
-pub use portable::{blend, narrow, turn, turn_back, widen};
-#[cfg(target_arch = "x86_64")]
 pub use sse2::{blend, narrow, turn, turn_back, widen};
 
-/// s and m of a depth and a mask code.
-#[inline(always)]
-fn widen_one(depth: u16, code: u16) -> [i32; 2] {
-    let m = weight::decode(code);
-    // 16 bits times 30 bits, less 15: below 2^31.
-    [((i64::from(depth) * i64::from(m) + (1 << 14)) >> 15) as i32, m]
-}
-
-/// Depth and mask code of s and m: D = s 2^15 / m, at most 0.51 units off.
-#[inline(always)]
-fn narrow_one([s, m]: [i32; 2], floor: i32) -> [u16; 2] {
-    if m <= floor {
-        return [0, 0];
-    }
-    let (s, m) = (s as u32, m as u32);
-    let code = weight::encode(m as i32);
-    if m > NEAR as u32 {
-        // 1/m = 1 + d + d^2, where d = 1 - m is below 2^-8; Q24.
-        let d = ((1 << 30) - m) >> 6;
-        let more = d + (((d * d) >> 16) >> 8);
-        // s + s d in Q15: D and half a unit are below 2^16.
-        return [((s + ((((s >> 15) * more) >> 16) << 7) + (1 << 14)) >> 15) as u16, code];
-    }
-    // The floor is at least 7: at most 28 leading zeros, at least 2. As D is below 2^16, s is below 2 m.
-    let zeros = m.leading_zeros();
-    let (s, m) = (s << (zeros - 2), m << zeros);
-    let r = reciprocal_of_16_bits(m);
-    // e = 1 - m r in Q32, below 2^-8; 1/m = r (1 + e + e^2) but for 2^-24.
-    let e = (((1i64 << 47) - i64::from(m) * i64::from(r)) >> 15) as i32;
-    let e = e + (((e >> 9) * (e >> 9)) >> 14);
-    // s r in Q14: as s is below 2^31 (but for its rounding where m is next to nothing), below 2^31.
-    let q = ((u64::from(s) * u64::from(r)) >> 16) as u32;
-    let q = i64::from(q) + ((i64::from(q) * i64::from(e)) >> 32);
-    [((q + (1 << 13)) >> 14).clamp(0, 65_535) as u16, code]
-}
-
-/// For all machines.
-#[cfg_attr(target_arch = "x86_64", allow(dead_code, reason = "the twin is in use; the tests compare them"))]
+/// In plain integers.
 mod portable {
-    use super::{BLOCK, Cell, LANES, Short, Way, narrow_one, widen_one};
+    use super::super::single;
+    #[cfg(test)]
+    use super::{BLOCK, Way};
+    use super::{Cell, LANES, Short};
 
     /// s and m of depths and mask codes.
     #[inline(always)]
     pub fn widen(depth: Short, mask: Short) -> Cell {
         let mut cell = Cell::default();
         for r in 0..LANES {
-            [cell[0][r], cell[1][r]] = widen_one(depth[r], mask[r]);
+            [cell[0][r], cell[1][r]] = single::widen(depth[r], mask[r]);
         }
         cell
     }
@@ -93,11 +47,12 @@ mod portable {
     pub fn narrow(cell: Cell, floor: i32) -> [Short; 2] {
         let mut pair = [Short::default(); 2];
         for r in 0..LANES {
-            [pair[0][r], pair[1][r]] = narrow_one([cell[0][r], cell[1][r]], floor);
+            [pair[0][r], pair[1][r]] = single::narrow([cell[0][r], cell[1][r]], floor);
         }
         pair
     }
 
+    #[cfg(test)]
     /// here + w (from - here), w in Q16: between the two, so nothing ever leaves its range.
     #[inline(always)]
     pub fn blend(here: Cell, from: Cell, w: Short, way: Way) -> Cell {
@@ -110,12 +65,14 @@ mod portable {
         })
     }
 
+    #[cfg(test)]
     /// Four rows of a block as columns.
     #[inline(always)]
     pub fn turn(rows: [[u16; BLOCK]; LANES]) -> [Short; BLOCK] {
         core::array::from_fn(|x| rows.map(|row| row[x]))
     }
 
+    #[cfg(test)]
     /// The columns of a block as four rows.
     #[inline(always)]
     pub fn turn_back(columns: [Short; BLOCK]) -> [[u16; BLOCK]; LANES] {
@@ -123,10 +80,10 @@ mod portable {
     }
 }
 
-/// For x86-64, of which SSE2 is a part.
-#[cfg(target_arch = "x86_64")]
+/// In SSE2's.
 mod sse2 {
-    use super::{BLOCK, Cell, LANES, NEAR, Short, Way, portable};
+    use super::super::single::NEAR;
+    use super::{BLOCK, Cell, LANES, Short, Way, portable};
     use safe_arch::{
         add_i16_m128i, add_i32_m128i, bitand_m128i, bitxor_m128i, cmp_gt_mask_i16_m128i, cmp_gt_mask_i32_m128i, m128i,
         move_mask_i8_m128i, mul_i16_horizontal_add_m128i, mul_i16_keep_low_m128i, mul_u16_keep_high_m128i,
@@ -230,6 +187,7 @@ mod sse2 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::single;
     use super::*;
     use proptest::prelude::*;
 
@@ -238,8 +196,8 @@ mod tests {
 
         #[test]
         fn depths_and_weights_come_back(depth in any::<u16>(), code in 1u16..) {
-            let [s, m] = widen_one(depth, code);
-            let [d, c] = narrow_one([s, m], 7);
+            let [s, m] = single::widen(depth, code);
+            let [d, c] = single::narrow([s, m], 7);
             prop_assert_eq!(c, code);
             // s has 15 bits below the unit of D m.
             prop_assert!(f64::from(d.abs_diff(depth)) <= 16_384.0 / f64::from(m) + 0.51, "{} {}", d, depth);
@@ -251,10 +209,9 @@ mod tests {
             let most = (u64::from(m as u32) * 65_535) >> 15;
             let s = ((most * u64::from(part)) >> 32) as i32;
             let truth = f64::from(s) * 32_768.0 / f64::from(m);
-            prop_assert!((f64::from(narrow_one([s, m], 7)[0]) - truth).abs() <= 0.51, "{} {}", s, m);
+            prop_assert!((f64::from(single::narrow([s, m], 7)[0]) - truth).abs() <= 0.51, "{} {}", s, m);
         }
 
-        #[cfg(target_arch = "x86_64")]
         #[test]
         fn both_ways_give_the_same_bits(
             words in proptest::array::uniform32(any::<u16>()), wide in proptest::array::uniform16(0i32..), near: bool,
