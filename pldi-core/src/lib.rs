@@ -22,6 +22,7 @@ pub mod descriptor;
 pub mod templates;
 pub mod matching;
 pub mod pipeline;
+pub mod serial;
 
 pub use error::{Error, TemplateError};
 pub use floor::{Floor, FloorAxes};
