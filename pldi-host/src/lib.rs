@@ -45,6 +45,7 @@ pub mod overlay;
 pub mod parallel;
 pub mod report;
 pub mod runner;
+pub mod serial;
 pub mod stages;
 pub mod templates;
 pub mod trial;

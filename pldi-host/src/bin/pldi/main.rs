@@ -11,6 +11,7 @@ mod inspect;
 mod print;
 mod progress;
 mod run;
+mod serial;
 mod stages;
 mod templates;
 mod trial;

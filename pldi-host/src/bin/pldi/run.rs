@@ -9,18 +9,22 @@ use pldi_host::input::{FrameSource, Recording};
 use pldi_host::output::atomic;
 use pldi_host::overlay;
 use pldi_host::runner::{self, FrameResult, Processed};
-use pldi_host::{Engine, Error};
+use pldi_host::{ArithmeticKind, Engine, Error};
 
 use crate::args::{Input, Processing, Threads};
+use crate::serial::FromSerial;
 use crate::{print, progress, templates};
 
 /// Options of `pldi run`.
 ///
 /// On an interrupt (Ctrl-C, termination) the frames that are done stay written and the exit code is 130.
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("input", |input| input.required(false).required_unless_present("path")))]
 pub struct Run {
     #[command(flatten)]
-    input: Input,
+    input: Option<Input>,
+    #[command(flatten)]
+    serial: FromSerial,
     /// The template file [default: the embedded set]
     #[arg(long, value_name = "FILE")]
     templates: Option<PathBuf>,
@@ -41,6 +45,12 @@ impl Run {
     /// Runs the command.
     pub fn run(&self) -> anyhow::Result<()> {
         let file = self.templates.as_deref();
+        if let Some(path) = self.serial.path() {
+            let bytes = templates::read_for(file, ArithmeticKind::Fixed)?;
+            return self.serial.listen(path, templates::parse(file, &bytes)?);
+        }
+        // Without it there is a path: the parser sees to that.
+        let Some(input) = &self.input else { return Err(Error::Usage("which recording?".to_owned()).into()) };
         let arithmetic = self.processing.arithmetic();
         let bytes = templates::read_for(file, arithmetic)?;
         let set = templates::parse(file, &bytes)?;
@@ -50,7 +60,7 @@ impl Run {
             let name = file.map_or("the embedded templates".to_owned(), |f| f.display().to_string());
             Error::Usage(format!("{name}: {cause}"))
         })?;
-        let recording = self.input.open()?;
+        let recording = input.open()?;
         if let Some(folder) = &self.overlay {
             std::fs::create_dir_all(folder).map_err(|cause| Error::Write { path: folder.clone(), cause })?;
         }
