@@ -27,8 +27,11 @@ fn packet(kind: u8, sequence: u16, payload: &[u8]) -> Vec<u8> {
     out
 }
 
-/// What a decoder makes of a stream: kind, number and payload of each packet, or why there is none.
-fn decode<const N: usize>(stream: &[u8], piece: usize) -> Vec<Result<(u8, u16, Vec<u8>), Reject>> {
+/// Kind, number and payload of a packet.
+type Content = (u8, u16, Vec<u8>);
+
+/// What a decoder makes of a stream: each packet, or why there is none.
+fn decode<const N: usize>(stream: &[u8], piece: usize) -> Vec<Result<Content, Reject>> {
     let mut decoder = Decoder::<N>::new();
     let mut found = Vec::new();
     for mut bytes in stream.chunks(piece) {

@@ -314,8 +314,8 @@ impl<const W: usize, const H: usize> Session<'_, W, H> {
     }
 
     fn class(&self, class: u16) -> Class {
-        let classes = self.templates.classes();
-        let (count, name) = (classes.len() as u16, classes.skip(class.into()).next().unwrap_or(""));
+        let mut classes = self.templates.classes();
+        let (count, name) = (classes.len() as u16, classes.nth(class.into()).unwrap_or(""));
         Class { class: class.into(), classes: count.into(), name: layout::padded(name) }
     }
 }
