@@ -19,6 +19,9 @@ const ONE: u32 = 1 << 16;
 const STRIDE: usize = 16;
 const REST: usize = LENGTH % STRIDE;
 
+/// The same for the sums of [`LEAST`].
+const LEAST_STRIDE: usize = 8;
+
 /// Differences up to here (two octaves) have an entry each.
 const FINE: u16 = 2 << 10;
 
@@ -71,41 +74,107 @@ const fn index(d: u16) -> u16 {
     if d < least { d } else { least }
 }
 
-/// The Canberra distance in Q16, 0..=58 << 16: the sum of |a - b| / (|a| + |b|), where a term with both zero is 0.
-///
-/// A term is at most 30 units off (0.00046) that of the decoded numbers, in the mean 2.
-pub fn canberra(a: &Descriptor, b: &Descriptor) -> u32 {
-    canberra_below(a, b, u32::MAX).unwrap_or(0)
+/// Differences of one entry of [`LEAST`] as a shift, and the place of the difference 0.
+const LEAST_SHIFT: u32 = 3;
+const LEAST_MIDDLE: i32 = 1 << 10;
+
+/// What the terms of 8 differences are at least, from -2^13 on, in Q15. The outermost stand for all beyond them too.
+static LEAST: [u16; 2 * LEAST_MIDDLE as usize] = {
+    let mut table = [0; 2 * LEAST_MIDDLE as usize];
+    let mut i = 0;
+    while i < 2 * LEAST_MIDDLE {
+        let low = (i - LEAST_MIDDLE) << LEAST_SHIFT;
+        // The end that is nearer to 0: terms rise with the difference.
+        let nearest = if low < 0 { -(low + (1 << LEAST_SHIFT) - 1) } else { low };
+        table[i as usize] = TERMS[index(nearest as u16) as usize];
+        i += 1;
+    }
+    table
+};
+
+/// A descriptor whose distances to many are asked for.
+struct Query {
+    codes: Descriptor,
+    /// What is taken from a code to get the place of their difference in [`LEAST`], before the shift.
+    bases: [i32; LENGTH],
 }
 
-/// The distance; `None` as soon as it is certain not to lie below `limit`.
-#[inline(always)]
-fn canberra_below(a: &Descriptor, b: &Descriptor, limit: u32) -> Option<u32> {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<STRIDE>(), b.as_chunks::<STRIDE>());
-    let mut sum = 0;
-    for (a, b) in a.iter().zip(b) {
-        sum += terms(a, b);
-        if sum >= limit {
+impl Query {
+    fn new(codes: &Descriptor) -> Self {
+        let mut bases = [0; LENGTH];
+        for (base, code) in bases.iter_mut().zip(codes) {
+            *base = i32::from(*code) - (LEAST_MIDDLE << LEAST_SHIFT);
+        }
+        Self { codes: *codes, bases }
+    }
+
+    /// The distance; `None` where it exceeds `limit`.
+    #[inline(always)]
+    fn within(&self, codes: &[U16; LENGTH], limit: u32) -> Option<u32> {
+        // Few templates are so near that their distance matters. Machines that compute one number at a time find the others
+        // with one look at a table per term; those that compute several at once have the distance itself as soon.
+        if !cfg!(target_arch = "x86_64") && self.exceeds(codes, limit) {
             return None;
         }
+        self.distance(codes, limit)
     }
-    let (Some(a), Some(b)) = (a_rest.first_chunk::<REST>(), b_rest.first_chunk::<REST>()) else { return None };
-    Some(sum + terms(a, b)).filter(|sum| *sum < limit)
+
+    /// Whether the distance certainly exceeds `limit`.
+    ///
+    /// Terms of numbers that are apart, which differences of codes know nothing of, are 1: no entry is more.
+    #[inline(always)]
+    fn exceeds(&self, codes: &[U16; LENGTH], limit: u32) -> bool {
+        let mut sum = 0;
+        for (bases, codes) in self.bases.as_chunks::<LEAST_STRIDE>().0.iter().zip(codes.as_chunks::<LEAST_STRIDE>().0) {
+            for (base, code) in bases.iter().zip(codes) {
+                let place = ((i32::from(code.get()) - base) >> LEAST_SHIFT).clamp(0, 2 * LEAST_MIDDLE - 1);
+                sum += LEAST.get(place as usize).copied().map_or(0, u32::from);
+            }
+            // 2^21.9 at most.
+            if 2 * sum > limit {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The distance; `None` as soon as it is certain to exceed `limit`.
+    #[inline(never)]
+    fn distance(&self, codes: &[U16; LENGTH], limit: u32) -> Option<u32> {
+        let ((a, a_rest), (b, b_rest)) = (self.codes.as_chunks::<STRIDE>(), codes.as_chunks::<STRIDE>());
+        let mut sum = 0;
+        for (a, b) in a.iter().zip(b) {
+            sum += terms(a, b);
+            if sum > limit {
+                return None;
+            }
+        }
+        let (Some(a), Some(b)) = (a_rest.first_chunk::<REST>(), b_rest.first_chunk::<REST>()) else { return None };
+        Some(sum + terms(a, b)).filter(|sum| *sum <= limit)
+    }
 }
 
 /// The sum of some terms in Q16.
 #[inline(always)]
-fn terms<const N: usize>(a: &[u16; N], b: &[u16; N]) -> u32 {
+fn terms<const N: usize>(a: &[u16; N], b: &[U16; N]) -> u32 {
     let mut at = [0; N];
     for i in 0..N {
+        let (a, b) = (a[i], b[i].get());
         // All ones where the numbers have different signs, or one of them is 0.
-        let signs = ((a[i] ^ b[i]) as i16 >> 15) as u16;
-        let zeros = u16::from(a[i] == 0).wrapping_neg() ^ u16::from(b[i] == 0).wrapping_neg();
+        let signs = ((a ^ b) as i16 >> 15) as u16;
+        let zeros = u16::from(a == 0).wrapping_neg() ^ u16::from(b == 0).wrapping_neg();
         let apart = (signs | zeros) & APART;
-        at[i] = index((a[i] & !SIGN).abs_diff(b[i] & !SIGN) | apart);
+        at[i] = index((a & !SIGN).abs_diff(b & !SIGN) | apart);
     }
     // Q15: 2^19 at most.
     at.iter().map(|at| u32::from(TERMS[usize::from(*at) % ENTRIES])).sum::<u32>() << 1
+}
+
+/// The Canberra distance in Q16, 0..=58 << 16: the sum of |a - b| / (|a| + |b|), where a term with both zero is 0.
+///
+/// A term is at most 30 units off (0.00046) that of the decoded numbers, in the mean 2.
+pub fn canberra(a: &Descriptor, b: &Descriptor) -> u32 {
+    Query::new(a).distance(&b.map(U16::new), u32::MAX).unwrap_or(0)
 }
 
 impl Measure for u32 {
@@ -132,8 +201,9 @@ pub fn nearest(
     descriptor: &Descriptor,
 ) -> Result<Vec<Hypothesis<u32>, MAX_HYPOTHESES>, TemplateError> {
     templates.require_encoding(Encoding::Logarithmic)?;
+    let query = Query::new(descriptor);
     Ok(search(templates, |template, limit| match template.values {
-        Values::Logarithmic(values) => canberra_below(descriptor, &values.map(U16::get), limit),
+        Values::Logarithmic(values) => query.within(values, limit),
         Values::Float(_) => None,
     }))
 }
@@ -215,7 +285,9 @@ mod tests {
             prop_assert!((f64::from(d) - truth).abs() <= 58.0 * 30.0);
             let float = crate::matching::canberra(&a.map(decode), &b.map(decode));
             prop_assert!((f64::from(d) / 65_536.0 - f64::from(float)).abs() <= 58.0 * 0.00046);
-            prop_assert_eq!(canberra_below(&a, &b, limit), (d < limit).then_some(d));
+            let (query, b) = (Query::new(&a), b.map(U16::new));
+            prop_assert_eq!(query.distance(&b, limit), (d <= limit).then_some(d));
+            prop_assert!(!query.exceeds(&b, limit) || d > limit);
         }
     }
 }

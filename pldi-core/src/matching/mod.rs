@@ -70,45 +70,84 @@ pub fn nearest(
     }))
 }
 
-/// The search in any measure. `below` tells the distance of a template, at least where it is less than a limit.
-fn search<D: Measure>(
-    templates: &Templates<'_>,
-    below: impl Fn(&Template<'_>, D) -> Option<D>,
-) -> Vec<Hypothesis<D>, MAX_HYPOTHESES> {
-    let none = Hypothesis { class: 0, object: 0, view: 0, distance: D::FAR, score: D::FAR };
-    let mut best = [none; MAX_CLASSES];
-    for template in templates.iter() {
-        if let Some(best) = best.get_mut(usize::from(template.class()))
-            && let Some(distance) = below(&template, best.distance)
-            && distance < best.distance
-        {
-            let (class, object, view) = (template.class(), template.object(), template.view());
-            *best = Hypothesis { class, object, view, distance, score: D::FAR };
-        }
-    }
-    let order = nearest_classes(&best, none);
-    let [first, second, ..] = order.map(|h| h.distance);
-    let mut hypotheses = Vec::new();
-    for (rank, h) in order.iter().enumerate().filter(|(_, h)| h.distance < D::FAR) {
-        let other = if rank == 0 { second } else { first };
-        // As many fit as there are.
-        let _ = hypotheses.push(Hypothesis { score: D::margin(h.distance, other), ..*h });
-    }
-    hypotheses
+/// Templates that are passed over after each: the whole set is seen in as many rounds. The first round meets nearly every
+/// object, so that the limits are close to the final ones before most templates are looked at.
+const STEP: usize = 37;
+
+/// The nearest template of a class so far.
+#[derive(Clone, Copy)]
+struct Nearest<D> {
+    distance: D,
+    /// Its index in the set.
+    index: usize,
 }
 
-/// The nearest of all classes, best first, of equally near ones the first; where there are fewer, `none` follows.
-fn nearest_classes<D: Measure>(classes: &[Hypothesis<D>], none: Hypothesis<D>) -> [Hypothesis<D>; MAX_HYPOTHESES] {
-    let mut order = [none; MAX_HYPOTHESES];
-    for class in classes {
-        let (mut moved, mut nearer) = (*class, false);
-        for place in &mut order {
-            // From the first farther one on, all move up.
-            nearer |= moved.distance < place.distance;
-            if nearer {
-                core::mem::swap(place, &mut moved);
+/// The search in any measure. `within` tells the distance of a template, at least where it does not exceed a limit.
+#[inline(always)]
+fn search<D: Measure>(
+    templates: &Templates<'_>,
+    within: impl Fn(&Template<'_>, D) -> Option<D>,
+) -> Vec<Hypothesis<D>, MAX_HYPOTHESES> {
+    let mut best = [Nearest { distance: D::FAR, index: usize::MAX }; MAX_CLASSES];
+    // A class whose templates are all farther than the last of the kept ones will not be kept.
+    let mut last_kept = D::FAR;
+    for first in 0..STEP {
+        for index in (first..templates.len()).step_by(STEP) {
+            let Some(template) = templates.get(index) else { continue };
+            let Some(best_of_class) = best.get_mut(usize::from(template.class())) else { continue };
+            let Nearest { distance: least, index: least_index } = *best_of_class;
+            let limit = if least < last_kept { least } else { last_kept };
+            let Some(distance) = within(&template, limit) else { continue };
+            if distance < least || (distance == least && index < least_index) {
+                *best_of_class = Nearest { distance, index };
+                last_kept = last_of_kept(&best);
             }
         }
+    }
+    kept(templates, &mut best)
+}
+
+/// The distance that is the last of the [`MAX_HYPOTHESES`] least.
+fn last_of_kept<D: Measure>(best: &[Nearest<D>]) -> D {
+    let mut least = [D::FAR; MAX_HYPOTHESES];
+    let mut last = D::FAR;
+    for nearest in best {
+        let mut distance = nearest.distance;
+        if distance < last {
+            for place in &mut least {
+                if distance < *place {
+                    core::mem::swap(place, &mut distance);
+                }
+                last = *place;
+            }
+        }
+    }
+    last
+}
+
+/// The hypotheses in their order, with their scores; takes what it keeps out of `best`.
+fn kept<D: Measure>(templates: &Templates<'_>, best: &mut [Nearest<D>]) -> Vec<Hypothesis<D>, MAX_HYPOTHESES> {
+    let mut order: Vec<Hypothesis<D>, MAX_HYPOTHESES> = Vec::new();
+    while !order.is_full() {
+        let mut next = Nearest { distance: D::FAR, index: usize::MAX };
+        let mut place = None;
+        // Of equally near classes the first.
+        for nearest in best.iter_mut() {
+            if nearest.distance < next.distance {
+                next = *nearest;
+                place = Some(nearest);
+            }
+        }
+        let (Some(place), Some(template)) = (place, templates.get(next.index)) else { break };
+        place.distance = D::FAR;
+        let (class, object, view) = (template.class(), template.object(), template.view());
+        // It is not full.
+        let _ = order.push(Hypothesis { class, object, view, distance: next.distance, score: D::FAR });
+    }
+    let first = order.first().map_or(D::FAR, |h| h.distance);
+    let second = order.get(1).map_or(D::FAR, |h| h.distance);
+    for (rank, h) in order.iter_mut().enumerate() {
+        h.score = D::margin(h.distance, if rank == 0 { second } else { first });
     }
     order
 }

@@ -215,12 +215,16 @@ impl<'a> Templates<'a> {
     /// The templates in file order.
     #[inline(always)]
     pub fn iter(&self) -> impl Iterator<Item = Template<'a>> + use<'a> {
-        let Self { objects, records, .. } = *self;
-        (0..records.len()).filter_map(move |i| {
-            let (object, view, values) = records.get(i)?;
-            let class = objects.get(usize::from(object)).map_or(u16::MAX, |o| o.class.get());
-            Some(Template { class, object: object.get(), view: view.get(), values })
-        })
+        let set = *self;
+        (0..set.len()).filter_map(move |i| set.get(i))
+    }
+
+    /// A template by its place in the file.
+    #[inline(always)]
+    pub(crate) fn get(&self, index: usize) -> Option<Template<'a>> {
+        let (object, view, values) = self.records.get(index)?;
+        let class = self.objects.get(usize::from(object)).map_or(u16::MAX, |o| o.class.get());
+        Some(Template { class, object: object.get(), view: view.get(), values })
     }
 }
 
