@@ -169,8 +169,16 @@ impl Inverse {
     #[inline(always)]
     pub(super) fn under(self, coordinate: i32) -> Option<i32> {
         let (mantissa, shift) = self.0;
-        // Below 2^31 * 2^32; the last coordinate is above 2^9, so the shift is 41 to 63.
-        i32::try_from((i64::from(coordinate) * i64::from(mantissa)) >> (shift - 26)).ok()
+        // The last coordinate is above 2^9, so the shift is 41 to 62.
+        let shift = shift - 26;
+        let room = 32u32.saturating_sub(shift);
+        let raised = coordinate << room;
+        if shift <= 32 && raised >> room == coordinate {
+            // The same number, without a shift of 64 bits: they are slow where numbers have 32.
+            return Some(((i64::from(raised) * i64::from(mantissa)) >> 32) as i32);
+        }
+        // Below 2^31 * 2^32.
+        i32::try_from((i64::from(coordinate) * i64::from(mantissa)) >> shift).ok()
     }
 }
 

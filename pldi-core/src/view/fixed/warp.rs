@@ -30,14 +30,27 @@ pub fn warp<const W: usize, const H: usize>(
             let [u, v, w] = at.map(|c| (c >> 32) as i32);
             // Positive w of 2^9 and more: below, it is rounding errors that would be divided by.
             if w >= 1 << 9 {
-                let (mantissa, shift) = reciprocal(w as u32);
-                // Below 2^31 * 2^32; the shift is 41 at least. To Q12.
-                let [u, v] = [u, v].map(|c| (i64::from(c) * i64::from(mantissa)) >> (shift - 12));
-                *out = i32::from(sample(n, labels, label, u, v)) << SHIFT;
+                let inverse = reciprocal(w as u32);
+                if let (Some(u), Some(v)) = (position(u, inverse), position(v, inverse)) {
+                    *out = i32::from(sample(n, labels, label, u, v)) << SHIFT;
+                }
             }
             at = core::array::from_fn(|k| at[k].wrapping_add(scan.right[k]));
         }
     }
+}
+
+/// A coordinate over the last one (of 2^9 and more) in Q12; `None` far beside any image.
+#[inline(always)]
+fn position(coordinate: i32, (mantissa, shift): (u32, u32)) -> Option<i32> {
+    // Below 2^31 * 2^32; the shift is 41 at least.
+    let product = i64::from(coordinate) * i64::from(mantissa);
+    let shift = shift - 12;
+    if shift >= 32 {
+        // Shifts of 64 bits are slow where numbers have 32.
+        return Some((product >> 32) as i32 >> (shift - 32));
+    }
+    i32::try_from(product >> shift).ok()
 }
 
 /// The homogeneous pixel coordinates of the view's samples: linear in row and column.
@@ -110,17 +123,28 @@ fn sample<const W: usize, const H: usize>(
     n: &Image<u16, W, H>,
     labels: &Image<u8, W, H>,
     label: u8,
-    u: i64,
-    v: i64,
+    u: i32,
+    v: i32,
 ) -> u16 {
-    let (Ok(column), Ok(row)) = (i32::try_from(u >> 12), i32::try_from(v >> 12)) else { return 0 };
+    let (column, row) = (u >> 12, v >> 12);
     let (a, b) = ((u & 0xFFF) as u32, (v & 0xFFF) as u32);
     let inside = usize::try_from(column).ok().zip(usize::try_from(row).ok());
     let square = inside.and_then(|(x, y)| Some((pair(labels, x, y)?, pair(n, x, y)?)));
     let [[upper_left, upper_right], [lower_left, lower_right]] = match square {
-        Some((labels, n)) => core::array::from_fn(|j| {
-            core::array::from_fn(|i| if labels[j][i] == label { u32::from(n[j][i]) } else { 0 })
-        }),
+        Some(([upper, lower], n)) => {
+            // A byte is 0 where a pixel carries the label.
+            let four = u32::from(u16::from_le_bytes(upper)) | u32::from(u16::from_le_bytes(lower)) << 16;
+            let others = four ^ (u32::from(label) * 0x0101_0101);
+            if others == 0 {
+                [[u32::from(n[0][0]), u32::from(n[0][1])], [u32::from(n[1][0]), u32::from(n[1][1])]]
+            } else if others.wrapping_sub(0x0101_0101) & !others & 0x8080_8080 == 0 {
+                // No byte is 0.
+                return 0;
+            } else {
+                let of = |carries: u8, n: u16| if carries == label { u32::from(n) } else { 0 };
+                [[of(upper[0], n[0][0]), of(upper[1], n[0][1])], [of(lower[0], n[1][0]), of(lower[1], n[1][1])]]
+            }
+        }
         // At the image's border, pixel by pixel.
         None => core::array::from_fn(|j| {
             core::array::from_fn(|i| {

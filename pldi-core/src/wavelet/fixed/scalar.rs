@@ -2,7 +2,7 @@
 //! are made, and without the black that surrounds an object.
 
 use super::{HIGH, LOW, Plane};
-use crate::wavelet::SIZE;
+use crate::wavelet::{HALF, SIZE};
 
 /// Both filters' taps by pairs of samples: two of the scaling filter, two of the wavelet filter.
 type Taps = [[i32; 4]; 4];
@@ -30,16 +30,18 @@ pub fn transform(plane: &mut Plane) {
     let mut line = Line([[0; 2]; (SIZE + BEYOND) / 2]);
     let mut size = SIZE;
     while size >= 2 {
+        // Never larger; the compiler does not see it.
+        let half = (size / 2).min(HALF);
         for row in plane.iter_mut().take(size) {
             line.fill(row.iter().take(size));
-            let (low, high) = row.split_at_mut(size / 2);
+            let (low, high) = row.split_at_mut(half);
             line.weigh(taps, size, low.iter_mut().zip(high));
         }
         for x in 0..size {
             // Within the row, for the compiler too.
             let x = x % SIZE;
             line.fill(plane.iter().take(size).map(|row| &row[x]));
-            let (low, high) = plane.split_at_mut(size / 2);
+            let (low, high) = plane.split_at_mut(half);
             line.weigh(taps, size, low.iter_mut().zip(high).map(|(low, high)| (&mut low[x], &mut high[x])));
         }
         size /= 2;
@@ -60,7 +62,7 @@ impl Line {
     fn close(&mut self, size: usize) {
         let samples = self.0.as_flattened_mut();
         for i in (0..BEFORE).chain(size + BEFORE..size + BEYOND) {
-            let from = BEFORE + (i + 4 * size - BEFORE) % size;
+            let from = BEFORE + ((i + 4 * size - BEFORE) & (size - 1));
             let sample = samples.get(from).copied().unwrap_or(0);
             if let Some(to) = samples.get_mut(i) {
                 *to = sample;
