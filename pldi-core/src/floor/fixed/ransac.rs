@@ -1,11 +1,12 @@
-//! The search for the floor in integers, see the float twin: the same grid, the same random numbers, the same order of
-//! events.
+//! The search for the floor in integers, see the float twin: the same grid, the same random numbers, the same finalists' way
+//! to rest. But hypotheses are compared by a quarter of the points, and most are given up after a sixteenth: finalists are
+//! refined and compared with all points, so that little depends on how they rank before.
 //!
 //! Points count quarters of a millimetre in 16 bits, normals Q15 in the scores: a sum of products is below 2^31 wherever the
 //! plane is near, and wraps back into range from partial sums that are not.
 
 pub use super::plane::Points;
-use super::plane::{BLOCK, FIRST, Plane, TOLERANCE, count};
+use super::plane::{BLOCK, Plane, Point, TOLERANCE};
 use super::{Floor, RansacParams};
 use crate::Image;
 use crate::eigen::fixed as eigen;
@@ -19,18 +20,11 @@ const REACHES: [i32; 8] = [10, 5, 3, 3, 3, 3, 3, 3];
 /// Blocks that the scratch of [`find`] should have.
 pub const SCRATCH: usize = MAX_POINTS.div_ceil(BLOCK);
 
-/// Blocks after which it is seen whether a plane has a chance.
-const CHECK: usize = 8;
+/// The fours of each block that the hypotheses are scored by, in this order: every 16th, 8th and 4th of the points.
+const ROUGH: [usize; 4] = [0, 8, 4, 12];
 
 /// Farthest coordinate of a point, in 1/4 mm: 8 m.
 const FAR: i32 = 32_000;
-
-/// One of the points.
-#[derive(Debug, Clone, Copy)]
-struct Point {
-    place: [i16; 3],
-    tolerance: i16,
-}
 
 /// The points that there are.
 #[derive(Clone, Copy)]
@@ -39,19 +33,9 @@ struct Cloud<'a> {
     count: usize,
 }
 
-/// Where the `i`-th point of a block stands in it.
-const fn lane(i: usize) -> usize {
-    (i % 4 * FIRST + i / 4) % BLOCK
-}
-
 impl Cloud<'_> {
     fn get(&self, i: usize) -> Option<Point> {
-        let (block, i) = (self.blocks.get(i / BLOCK)?, lane(i % BLOCK));
-        Some(Point { place: [block.x[i], block.y[i], block.z[i]], tolerance: block.tolerance[i] })
-    }
-
-    fn iter(&self) -> impl Iterator<Item = Point> {
-        (0..self.count).filter_map(|i| self.get(i))
+        self.blocks.get(i / BLOCK).map(|block| block.get(i))
     }
 }
 
@@ -93,10 +77,6 @@ impl Limits {
             && floor.normal[0].abs() <= self.tilt
     }
 
-    fn weigh(&self, score: i32, floor: &Floor) -> i32 {
-        if self.is_steep(floor) { score / 5 } else { score }
-    }
-
     fn is_steep(&self, floor: &Floor) -> bool {
         -floor.normal[2] > self.steep
     }
@@ -122,9 +102,8 @@ pub fn find<const W: usize, const H: usize>(
             let [x, y, z] = rays.point(u, v, z).map(|c| (c + 16) >> 5);
             if z > 0 && z <= limits.far && x.abs() <= FAR && y.abs() <= FAR {
                 let Some(block) = scratch.get_mut(found / BLOCK) else { break };
-                let i = lane(found % BLOCK);
-                (block.x[i], block.y[i], block.z[i]) = (x as i16, y as i16, z as i16);
-                block.tolerance[i] = limits.tolerance_at(z);
+                let place = [x as i16, y as i16, z as i16];
+                block.set(found, Point { place, tolerance: limits.tolerance_at(z) });
                 found += 1;
             }
         }
@@ -137,21 +116,20 @@ pub fn find<const W: usize, const H: usize>(
         if !limits.plausible(&floor) {
             continue;
         }
-        // A quarter of the points tells which planes have no chance to be a finalist.
-        if finalists.last().is_some_and(|last| !may_reach(last.0, &points, &floor, &limits)) {
-            continue;
-        }
-        let mut entry = (score(&points, &floor, &limits), Some(floor));
+        let least = finalists.last().map_or(0, |last| last.0);
+        let Some(score) = rough_score(least, &points, &floor, &limits) else { continue };
+        let mut entry = (score, Some(floor));
         for place in &mut finalists {
             if entry.0 > place.0 {
                 core::mem::swap(place, &mut entry);
             }
         }
     }
+    let least = least_tolerance(points.blocks);
     let mut best: (i32, Option<Floor>) = (0, None);
     for floor in finalists.iter().filter_map(|(_, floor)| *floor) {
-        let floor = refine(&points, floor);
-        let score = score(&points, &floor, &limits);
+        let floor = refine(&points, least, floor);
+        let score = score(&points, &floor) / if limits.is_steep(&floor) { 5 } else { 1 };
         if limits.plausible(&floor) && score > best.0 {
             best = (score, Some(floor));
         }
@@ -174,12 +152,28 @@ fn sample(points: &Cloud<'_>, random: &mut Random, per_row: usize) -> Option<Flo
     let side = |p: Point| -> [i64; 3] { core::array::from_fn(|i| i64::from(p.place[i]) - i64::from(a.place[i])) };
     let (p, q) = (side(b), side(c));
     let normal = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-    // Less than a square decimetre is too little to tell a plane by: 160,000 squares of 1/4 mm.
-    let length2: u64 = normal.iter().fold(0, |sum, v| sum.saturating_add((v * v) as u64));
-    if length2 <= 160_000 * 160_000 {
+    roughly_oriented(normal, a.place)
+}
+
+/// The plane through a point, to 15 bits: it is only to be scored and refined. `None` where the normal is shorter than a
+/// square decimetre (160,000 squares of 1/4 mm), too little to tell a plane by.
+fn roughly_oriented(normal: [i64; 3], point: [i16; 3]) -> Option<Floor> {
+    let all = normal.iter().fold(0, |all, v| all | v.unsigned_abs());
+    // Products of the points' coordinates are below 2^34: at most 19.
+    let shift = (64 - all.leading_zeros()).saturating_sub(15);
+    // Below 2^15 (-2^15 at most): the squares' sum is below 2^32.
+    let normal = normal.map(|v| (v >> shift) as i32);
+    let square: u32 = normal.iter().map(|v| v.unsigned_abs() * v.unsigned_abs()).sum();
+    if u64::from(square) <= (160_000 * 160_000) >> (2 * shift) {
         return None;
     }
-    oriented(normal, a.place.map(|c| i64::from(c) << 10))
+    let length = square.isqrt() as i32;
+    let normal = normal.map(|v| (v << 15) / length.max(1));
+    // Coordinates below 2^15: less than 2^31, as in [`Plane::height_of`].
+    let [along, y, z]: [i32; 3] = core::array::from_fn(|i| normal[i] * i32::from(point[i]));
+    let along = along + y + z;
+    let normal = normal.map(|v| if along > 0 { -v << 15 } else { v << 15 });
+    Some(Floor { normal, height: (along.abs() + (1 << 9)) >> 10 })
 }
 
 /// The plane through a point (1/4096 mm), its normal turned towards the camera.
@@ -191,72 +185,92 @@ fn oriented(normal: [i64; 3], point: [i64; 3]) -> Option<Floor> {
     Some(Floor { normal: if along > 0 { n.map(|v| -v) } else { n }, height })
 }
 
-/// Points on the plane, less three times those clearly below it; a fifth of that for steep views.
-fn score(points: &Cloud<'_>, floor: &Floor, limits: &Limits) -> i32 {
-    let [on, below] = count(&Plane::new(floor), points.blocks.iter().flat_map(Points::eights));
-    limits.weigh(on - 3 * below, floor)
+/// Points on the plane, less three times those clearly below it.
+fn score(points: &Cloud<'_>, floor: &Floor) -> i32 {
+    super::plane::score(&Plane::new(floor), points.blocks.iter().flat_map(|block| block.fours()))
 }
 
-/// Whether four times the score of every fourth point and a tenth of the points reach `least`; stops as soon as all points that
-/// are left would not do.
-fn may_reach(least: i32, points: &Cloud<'_>, floor: &Floor, limits: &Limits) -> bool {
+/// The score by every fourth point, a fifth of it for steep views; `None` as soon as it will hardly exceed `least`.
+fn rough_score(least: i32, points: &Cloud<'_>, floor: &Floor, limits: &Limits) -> Option<i32> {
     let plane = Plane::new(floor);
-    let enough = |score: i32| 4 * limits.weigh(score, floor) + points.count as i32 / 10 >= least;
-    let (mut score, mut left) = (0, (points.blocks.len() * FIRST) as i32);
-    for blocks in points.blocks.chunks(CHECK) {
-        let [on, below] = count(&plane, blocks.iter().filter_map(|block| block.eights().next()));
-        score += on - 3 * below;
-        left -= (blocks.len() * FIRST) as i32;
-        if !enough(score + left) {
-            return false;
+    let steep = limits.is_steep(floor);
+    let enough = if steep { 5 * least } else { least };
+    let (count, mut score) = (points.count as i32, 0);
+    // All points on the plane would not do.
+    if enough > count / 4 + 1 {
+        return None;
+    }
+    for (row, seen) in ROUGH.into_iter().zip(1..) {
+        score += super::plane::score(&plane, points.blocks.iter().map(|block| block.four(row)));
+        // The other points may score better: by a tenth of all after every 16th point, by less and less then.
+        if 4 * score + count / 40 < seen * enough {
+            return None;
         }
     }
-    enough(score)
+    let score = if steep { score / 5 } else { score };
+    (score > least).then_some(score)
 }
 
-/// Least squares over the points near the plane, each weighted by the inverse square of its tolerance.
-fn refine(points: &Cloud<'_>, mut floor: Floor) -> Floor {
-    let least = points.iter().map(|p| p.tolerance).min().unwrap_or(1).max(1);
-    // Q12, at most 1.
-    let weight = |p: Point| {
-        let t = (u32::from(least as u16) << 12) / u32::from(p.tolerance.max(1) as u16);
-        i64::from((t * t) >> 12)
-    };
+/// Least squares over the points near the plane, each weighted by the inverse square of its tolerance. `least` is the
+/// least tolerance that there is.
+fn refine(points: &Cloud<'_>, least: u32, mut floor: Floor) -> Floor {
+    let mut last = None;
     for reach in REACHES {
         let plane = Plane::new(&floor);
-        let near = |p: &Point| {
-            i64::from(plane.height_of(p.place)).abs() * 5 <= i64::from(reach * i32::from(p.tolerance)) << TOLERANCE
-        };
-        // At most 2^12 points: weights sum up to 2^24, with coordinates to 2^39.
-        let (mut total, mut sum) = (0i64, [0i64; 3]);
-        for p in points.iter().filter(near) {
-            let w = weight(p);
-            total += w;
-            for (sum, c) in sum.iter_mut().zip(p.place) {
-                *sum += w * i64::from(c);
-            }
+        // The same points make the same plane.
+        if last.replace((plane, reach)) == Some((plane, reach)) {
+            break;
         }
-        if total < 1 {
-            return floor;
-        }
-        // In 1/4096 mm; for the moments, below 2^32 each and 2^56 in all, 1/4 mm suffice.
-        let mean = sum.map(|v| (v << 10).div_euclid(total));
-        let centre = mean.map(|v| (v + 512) >> 10);
-        let mut c = [0i64; 6];
-        for p in points.iter().filter(near) {
-            let w = weight(p);
-            let d: [i64; 3] = core::array::from_fn(|i| i64::from(p.place[i]) - centre[i]);
-            let products = [d[0] * d[0], d[0] * d[1], d[0] * d[2], d[1] * d[1], d[1] * d[2], d[2] * d[2]];
-            for (sum, product) in c.iter_mut().zip(products) {
-                *sum += w * product;
-            }
-        }
-        match eigen::least_normal(&c).and_then(|n| oriented(n.map(i64::from), mean)) {
-            Some(found) => floor = found,
-            None => return floor,
-        }
+        let Some(found) = fit(points.blocks, &plane, reach, least) else { break };
+        floor = found;
     }
     floor
+}
+
+fn least_tolerance(blocks: &[Points]) -> u32 {
+    let all = blocks.iter().flat_map(Points::iter).map(|p| p.tolerance).filter(|t| *t > 0);
+    all.min().unwrap_or(1).unsigned_abs().into()
+}
+
+/// The plane that fits best to the points within `reach` fifths of their tolerance.
+fn fit(blocks: &[Points], plane: &Plane, reach: i32, least: u32) -> Option<Floor> {
+    // At most 2^12 points, weights in Q12: they sum up to 2^24, with coordinates to 2^39, with two to 2^54.
+    let (mut total, mut sum, mut square) = (0u32, [0i64; 3], [0i64; 6]);
+    for block in blocks {
+        for p in block.iter() {
+            // Below 10 2^14 2^12.
+            let limit = ((reach * i32::from(p.tolerance)) << TOLERANCE) as u32 / 5;
+            if plane.height_of(p.place).unsigned_abs() > limit || p.tolerance <= 0 {
+                continue;
+            }
+            let t = (least << 12) / u32::from(p.tolerance.unsigned_abs()).max(1);
+            let w = (t * t) >> 12;
+            let [x, y, z] = p.place.map(i32::from);
+            let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
+            let [wx, wy, wz] = [w as i32 * x, w as i32 * y, w as i32 * z];
+            total += w;
+            sum[0] += i64::from(wx);
+            sum[1] += i64::from(wy);
+            sum[2] += i64::from(wz);
+            square[0] += product(wx, x);
+            square[1] += product(wx, y);
+            square[2] += product(wx, z);
+            square[3] += product(wy, y);
+            square[4] += product(wy, z);
+            square[5] += product(wz, z);
+        }
+    }
+    if total == 0 {
+        return None;
+    }
+    let total = i64::from(total);
+    // In 1/4096 mm; for the moments, below 2^56 in all, 1/4 mm suffice.
+    let mean = sum.map(|v| (v << 10).div_euclid(total));
+    let c = mean.map(|v| (v + 512) >> 10);
+    // The sum of w (a - ca) (b - cb).
+    let about = |i: usize, a: usize, b: usize| square[i] - c[a] * sum[b] - c[b] * sum[a] + c[a] * c[b] * total;
+    let moments = [about(0, 0, 0), about(1, 0, 1), about(2, 0, 2), about(3, 1, 1), about(4, 1, 2), about(5, 2, 2)];
+    oriented(eigen::least_normal(&moments)?.map(i64::from), mean)
 }
 
 #[cfg(test)]
