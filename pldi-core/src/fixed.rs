@@ -156,12 +156,15 @@ pub const fn reciprocal(x: u32) -> (u32, u32) {
     let zeros = (x | 1).leading_zeros();
     let m = if x == 0 { 1 << 31 } else { x << zeros };
     // With m in Q31 (1..2) and r close to 1/m: 1/m = r / (1 - e) = r (1 + e) (1 + e^2) (1 + e^4)..., where e = 1 - m r.
-    let r = RECIPROCALS[(m >> 23 & 0xFF) as usize] as i64;
-    let e = (1i64 << 47) - m as i64 * r; // Q47, below 2^-8
-    let square = ((e >> 16) * (e >> 16)) >> 31; // Q31
-    let r = (r << 16) + ((r * e) >> 31); // Q32
-    let r = r + ((r * square) >> 31);
-    (if r > u32::MAX as i64 { u32::MAX } else { r as u32 }, 63 - zeros)
+    // Numbers of 32 bits wherever they fit: others cost several instructions each on 32-bit machines.
+    let r = RECIPROCALS[(m >> 23 & 0xFF) as usize] as u32;
+    let e = (1i64 << 47) - (m as u64 * r as u64) as i64; // Q47, below 2^-8
+    let rough = (e >> 16) as i32;
+    let square = ((rough as i64 * rough as i64) >> 31) as u32; // Q31, below 2^-16
+    // Q32; like each sum of the first terms with an even number of them, not above 1/m.
+    let r = (r << 16).wrapping_add(((r as i64 * e) >> 31) as u32);
+    let r = r.saturating_add(((r as u64 * square as u64) >> 31) as u32);
+    (r, 63 - zeros)
 }
 
 /// 1/x for x in Q31 (1..2), in Q16: at most 2^-8.9 of it off.

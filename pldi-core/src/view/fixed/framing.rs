@@ -117,9 +117,12 @@ impl<const W: usize, const H: usize> Pixels<'_, W, H> {
     #[inline(always)]
     fn each(&self, map: &Homography, mut f: impl FnMut(i32, &Along)) {
         let [u0, v0, u1, v1] = self.bbox.map(usize::from);
+        let inside = u0..W.min(u1 + 1);
+        let Some(columns) = self.rays.x().get(inside.clone()) else { return };
         for (line, y) in self.labels.iter().zip(self.rays.y()).take(v1 + 1).skip(v0) {
             let along = map.along(*y);
-            for (label, x) in line.iter().zip(self.rays.x()).take(u1 + 1).skip(u0) {
+            let Some(line) = line.get(inside.clone()) else { return };
+            for (label, x) in line.iter().zip(columns) {
                 if *label == self.label {
                     f(*x, &along);
                 }
