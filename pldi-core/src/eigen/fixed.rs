@@ -30,12 +30,14 @@ pub fn least_direction(c: &Symmetric3) -> Option<[i32; 3]> {
     }
     // Trace below 2^30 and at least 2^29 (Q30; rounding down may take 3 units).
     let bits = 64 - trace.leading_zeros();
-    let [xx, xy, xz, yy, yz, zz] = if bits > 30 { c.map(|v| v >> (bits - 30)) } else { c.map(|v| v << (30 - bits)) };
+    let c = c.map(|v| (if bits > 30 { v >> (bits - 30) } else { v << (30 - bits) }) as i32);
+    let [xx, xy, xz, yy, yz, zz] = c;
     let trace = xx + yy + zz;
 
     // Products Q60, at most 2^60; differences of two at most 2^61.
-    let (mxx, mxy, mxz) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);
-    let minors = mxx + (xx * zz - xz * xz) + (xx * yy - xy * xy);
+    let cross = |a: i32, b: i32, c: i32, d: i32| wide(a, b) - wide(c, d);
+    let (mxx, mxy, mxz) = (cross(yy, zz, yz, yz), cross(xz, yz, xy, zz), cross(xy, yz, xz, yy));
+    let minors = mxx + cross(xx, zz, xz, xz) + cross(xx, yy, xy, xy);
     if minors <= 0 || minors > MOST {
         return None;
     }
@@ -43,18 +45,19 @@ pub fn least_direction(c: &Symmetric3) -> Option<[i32; 3]> {
     let up = (minors.leading_zeros() - 1).saturating_sub(4).min(28);
     let minors = (minors << 2) << up;
     let down = 28 - up;
-    let determinant = (xx.wrapping_mul(mxx >> down))
-        .wrapping_add(xy.wrapping_mul(mxy >> down))
-        .wrapping_add(xz.wrapping_mul(mxz >> down));
+    let determinant = (i64::from(xx).wrapping_mul(mxx >> down))
+        .wrapping_add(i64::from(xy).wrapping_mul(mxy >> down))
+        .wrapping_add(i64::from(xz).wrapping_mul(mxz >> down));
 
     // f(l) = determinant - minors l + trace l^2 - l^3, l in Q32, below half of the trace. Wrapping only where the matrix is
-    // not semi-definite: l (trace - l) is at most the minors up to the smallest root.
-    let all = trace << 2;
-    let rest = |l: i64| minors.wrapping_sub(((l >> 1) * ((all - l) >> 1)) << up);
+    // not semi-definite: l (trace - l) is at most the minors up to the smallest root. Halved factors below 2^32.
+    let all = i64::from(trace) << 2;
+    let times = |a: i64, b: i64| ((u64::from((a >> 1) as u32) * u64::from((b >> 1) as u32)) as i64) << up;
     let mut least = 0i64;
+    let mut rest = minors;
     for _ in 0..STEPS {
-        let value = determinant.wrapping_sub((rest(least) >> 30).wrapping_mul(least) >> 2);
-        let slope = minors.wrapping_sub(((least >> 1) * ((2 * all - 3 * least) >> 1)) << up);
+        let value = determinant.wrapping_sub(wide((rest >> 30) as i32, least as i32) >> 2);
+        let slope = minors.wrapping_sub(times(least, 2 * all - 3 * least));
         if value <= 0 || slope <= value {
             break;
         }
@@ -65,28 +68,30 @@ pub fn least_direction(c: &Symmetric3) -> Option<[i32; 3]> {
         least += step;
         if 3 * least >= all {
             least = all / 3;
+            rest = minors.wrapping_sub(times(least, all - least));
             break;
         }
+        rest = minors.wrapping_sub(times(least, all - least));
         if step < LAST_STEP {
             break;
         }
     }
     // The two others have the sum trace - least and this product.
     let sum = (all - least) >> 2;
-    if rest(least) >> up <= ((sum * sum) >> 30) * LINE {
+    if rest >> up <= ((sum * sum) >> 30) * LINE {
         return None;
     }
 
     // The longest column of the adjugate of C - least is that of its largest diagonal entry.
-    let l = (least + 2) >> 2;
+    let l = ((least + 2) >> 2) as i32;
     let (dx, dy, dz) = (xx - l, yy - l, zz - l);
-    let (ax, ay, az) = (dy * dz - yz * yz, dx * dz - xz * xz, dx * dy - xy * xy);
+    let (ax, ay, az) = (cross(dy, dz, yz, yz), cross(dx, dz, xz, xz), cross(dx, dy, xy, xy));
     let best = if ax >= ay && ax >= az {
-        [ax, xz * yz - xy * dz, xy * yz - xz * dy]
+        [ax, cross(xz, yz, xy, dz), cross(xy, yz, xz, dy)]
     } else if ay >= az {
-        [xz * yz - xy * dz, ay, xy * xz - yz * dx]
+        [cross(xz, yz, xy, dz), ay, cross(xy, xz, yz, dx)]
     } else {
-        [xy * yz - xz * dy, xy * xz - yz * dx, az]
+        [cross(xy, yz, xz, dy), cross(xy, xz, yz, dx), az]
     };
     let largest = best[0].unsigned_abs() | best[1].unsigned_abs() | best[2].unsigned_abs();
     // 1e-12 in Q60: all directions are alike.
@@ -95,6 +100,12 @@ pub fn least_direction(c: &Symmetric3) -> Option<[i32; 3]> {
     }
     let bits = 64 - largest.leading_zeros();
     Some(if bits > 29 { best.map(|v| (v >> (bits - 29)) as i32) } else { best.map(|v| (v << (29 - bits)) as i32) })
+}
+
+/// The whole product.
+#[inline(always)]
+fn wide(a: i32, b: i32) -> i64 {
+    i64::from(a) * i64::from(b)
 }
 
 /// The direction of [`least_direction`] with length 1, Q30.

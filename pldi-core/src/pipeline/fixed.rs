@@ -264,12 +264,19 @@ impl Arithmetic for Fixed {
     ) {
         // By label, so that a pixel costs one look: 0 is no cluster.
         let mut candidate = [false; MAX_CLUSTERS + 1];
+        let (mut first, mut last) = ([u16::MAX; 2], [0; 2]);
         for (candidate, cluster) in candidate.iter_mut().skip(1).zip(&report.clusters) {
             *candidate = cluster.rejection.is_none();
+            if *candidate {
+                let [left, top, right, bottom] = cluster.bbox;
+                first = [first[0].min(left), first[1].min(top)];
+                last = [last[0].max(right), last[1].max(bottom)];
+            }
         }
+        let bounds = [0, 1].map(|i| usize::from(first[i])..=usize::from(last[i]));
         if let Some(Gallery { depth, labels, n, .. }) = images.gallery() {
             let wanted = |u: usize, v: usize| candidate.get(usize::from(labels[v][u])).copied().unwrap_or(false);
-            diffusion(depth, &tables.rays, params.view.radius, wanted, n);
+            diffusion(depth, &tables.rays, params.view.radius, bounds, wanted, n);
         }
     }
 
@@ -278,7 +285,7 @@ impl Arithmetic for Fixed {
         images: &mut FixedImages<W, H>,
     ) {
         if let Some(Gallery { depth, n, .. }) = images.gallery() {
-            diffusion(depth, &tables.rays, params.view.radius, |_, _| true, n);
+            diffusion(depth, &tables.rays, params.view.radius, [0..=W - 1, 0..=H - 1], |_, _| true, n);
         }
     }
 

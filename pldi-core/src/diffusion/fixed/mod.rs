@@ -1,13 +1,21 @@
 //! The projective light diffusion image in integers, see the module above.
 
+mod group;
+#[cfg(target_arch = "x86_64")]
+mod lanes;
 pub mod normals;
-mod row;
+#[cfg_attr(target_arch = "x86_64", allow(dead_code, reason = "the twin is in use; the tests compare them"))]
+mod single;
+mod window;
+
+use core::ops::RangeInclusive;
 
 use crate::Image;
 use crate::rays::fixed::Rays;
-use normals::{LANES, Normals};
+use normals::{LANES, Normals, Scratch};
 
-/// Fills `n` where `wanted(column, row)` holds, and puts 0 elsewhere and where no normal is determined.
+/// Fills `n` within `bounds` (first and last column and row) where `wanted(column, row)` holds, and puts 0 elsewhere and
+/// where no normal is determined.
 ///
 /// `depth` is the reconstructed depth in 1/8 mm (0 = none), `radius` the normals' r_max in 1/8 mm (40..=4000, others are
 /// clamped; 320 is 4 cm). Every pixel with depth counts as a neighbour, wanted or not. The value is in units of 1/65535,
@@ -16,25 +24,39 @@ pub fn diffusion<const W: usize, const H: usize>(
     depth: &Image<u16, W, H>,
     rays: &Rays<W, H>,
     radius: u16,
+    bounds: [RangeInclusive<usize>; 2],
     wanted: impl Fn(usize, usize) -> bool,
     n: &mut Image<u16, W, H>,
 ) {
     let normals = Normals::new(depth, rays, radius);
+    let mut scratch = Scratch::new();
+    let [columns, rows] = bounds;
+    let end = (columns.end() + 1).min(W);
     for (v, out) in n.iter_mut().enumerate() {
         out.fill(0);
+        if !rows.contains(&v) {
+            continue;
+        }
         let y = rays.y().get(v).copied().unwrap_or(0);
-        let mut u = 0;
-        // From the next wanted pixel on, so that fewer lanes are idle.
-        while let Some(first) = (u..W).find(|u| wanted(*u, v) && normals.depth_at(*u, v) > 0) {
-            let z = core::array::from_fn(|i| {
-                if first + i < W && wanted(first + i, v) { normals.depth_at(first + i, v) } else { 0 }
-            });
-            let directions = normals.directions(z, first, v);
-            let lanes = out.iter_mut().zip(rays.x()).skip(first).zip(directions);
+        let mut u = *columns.start();
+        while u < end {
+            // From the next wanted pixel on, so that fewer lanes are idle.
+            if !wanted(u, v) || normals.depth_at(u, v) == 0 {
+                u += 1;
+                continue;
+            }
+            let mut z = [0; LANES];
+            for (i, z) in z.iter_mut().enumerate().take(end - u) {
+                if wanted(u + i, v) {
+                    *z = normals.depth_at(u + i, v);
+                }
+            }
+            let directions = normals.directions(z, u, v, &mut scratch);
+            let lanes = out.iter_mut().zip(rays.x()).skip(u).zip(directions);
             for ((out, x), direction) in lanes {
                 *out = direction.map_or(0, |direction| cosine(direction, *x, y));
             }
-            u = first + LANES;
+            u += LANES;
         }
     }
 }

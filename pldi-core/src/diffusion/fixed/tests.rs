@@ -16,7 +16,7 @@ fn fixed_rays(camera: &Intrinsics) -> Rays<W, H> {
 
 fn both(camera: &Intrinsics, depth: &Depth, radius: u16, wanted: impl Fn(usize, usize) -> bool + Copy) -> [N; 2] {
     let mut fixed = image(|_, _| 1);
-    diffusion(depth, &fixed_rays(camera), radius, wanted, &mut fixed);
+    diffusion(depth, &fixed_rays(camera), radius, [0..=W - 1, 0..=H - 1], wanted, &mut fixed);
     let metres: Vec<[f32; W]> = depth.iter().map(|row| row.map(|z| f32::from(z) / 8000.0)).collect();
     let metres: Box<Image<f32, W, H>> = metres.into_boxed_slice().try_into().unwrap();
     let mut truth = image(|_, _| 1);
@@ -92,7 +92,7 @@ fn extremes_end() {
                     _ => ((u * 7919 + v * 104_729) * 31 % 65_536) as u16,
                 });
                 let mut n = image(|_, _| 1);
-                diffusion(&depth, &rays, radius, |u, v| u % 97 < 3 && v % 60 == 1, &mut n);
+                diffusion(&depth, &rays, radius, [0..=W - 1, 0..=H - 1], |u, v| u % 97 < 3 && v % 60 == 1, &mut n);
                 assert!(kind > 0 || n.iter().flatten().all(|n| *n == 0));
             }
         }
