@@ -55,15 +55,8 @@ impl Sums {
 }
 
 /// The twin's memory; here the registers do.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Scratch;
-
-impl Scratch {
-    /// Empty.
-    pub fn new() -> Self {
-        Self
-    }
-}
 
 /// The sums over the neighbours of a group's centres.
 pub fn sums<const W: usize, const H: usize>(group: &Group<'_, W, H>, _: &mut Scratch) -> Sums {

@@ -27,14 +27,14 @@ impl Sums {
 
 /// Memory for a part of a row: filling it with zeros for each group would cost as much as some centres.
 #[derive(Debug)]
+#[allow(missing_copy_implementations, reason = "not to be copied by accident")]
 pub struct Scratch {
     factors: [i32; CHUNK],
     points: [Point; CHUNK],
 }
 
-impl Scratch {
-    /// Empty.
-    pub fn new() -> Self {
+impl Default for Scratch {
+    fn default() -> Self {
         Self { factors: [0; CHUNK], points: [[0; 4]; CHUNK] }
     }
 }
@@ -202,7 +202,7 @@ mod tests {
                 }
             }
             if let Some(group) = Group::new(&normals, z, u, v) {
-                let (one, eight) = (sums(&group, &mut Scratch::new()), lanes::sums(&group, &mut lanes::Scratch::new()));
+                let (one, eight) = (sums(&group, &mut Scratch::default()), lanes::sums(&group, &mut lanes::Scratch::default()));
                 for i in 0..LANES {
                     prop_assert_eq!(one.lane(i), eight.lane(i), "{}", i);
                 }
