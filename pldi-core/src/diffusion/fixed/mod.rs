@@ -29,7 +29,7 @@ pub fn diffusion<const W: usize, const H: usize>(
     n: &mut Image<u16, W, H>,
 ) {
     let normals = Normals::new(depth, rays, radius);
-    let mut scratch = Scratch::default();
+    let mut scratch: Scratch = Default::default();
     let [columns, rows] = bounds;
     let end = (columns.end() + 1).min(W);
     for (v, out) in n.iter_mut().enumerate() {

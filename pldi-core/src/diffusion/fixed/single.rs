@@ -202,7 +202,7 @@ mod tests {
                 }
             }
             if let Some(group) = Group::new(&normals, z, u, v) {
-                let (one, eight) = (sums(&group, &mut Scratch::default()), lanes::sums(&group, &mut lanes::Scratch::default()));
+                let (one, eight) = (sums(&group, &mut Scratch::default()), lanes::sums(&group, &mut lanes::Scratch));
                 for i in 0..LANES {
                     prop_assert_eq!(one.lane(i), eight.lane(i), "{}", i);
                 }
