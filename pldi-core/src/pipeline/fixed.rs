@@ -161,8 +161,14 @@ const fn tables<const W: usize, const H: usize>(
     params: &FixedParams,
     intrinsics: &Intrinsics,
 ) -> Result<FixedTables<W, H>, Error> {
+    if params.range.min == 0 || params.range.min > params.range.max {
+        return Err(Error::OutOfRange("depth range"));
+    }
     attempt!(params.filter.validate());
     attempt!(params.floor.validate());
+    attempt!(params.area.validate());
+    attempt!(params.limits.validate());
+    attempt!(params.view.validate());
     Ok(FixedTables { rays: attempt!(Rays::new(intrinsics)), distances: DistanceTable::new(&params.filter) })
 }
 
@@ -341,5 +347,39 @@ impl Arithmetic for Fixed {
 impl Bits for Floor {
     fn feed(&self, crc: u32) -> u32 {
         self.height.feed(self.normal.feed(crc))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Intrinsics as FloatIntrinsics;
+
+    #[test]
+    fn numbers_put_together_by_hand_are_checked_and_named() {
+        let camera = Intrinsics::new(&FloatIntrinsics::KINECT_QVGA).unwrap();
+        let good = FixedParams::new(&Params::DEFAULT).unwrap();
+        let refused = |params: FixedParams| match Pipeline::<Fixed>::new(&params, &camera) {
+            Err(Error::OutOfRange(name)) => name,
+            other => panic!("{:?}", other.map(|_| ())),
+        };
+        assert!(Pipeline::<Fixed>::new(&good, &camera).is_ok());
+        let (area, limits, view) = (good.area, good.limits, good.view);
+        let bad = [
+            (FixedParams { range: DepthRange { min: 9, max: 8 }, ..good }, "depth range"),
+            (FixedParams { area: AreaParams { near: i32::MIN, ..area }, ..good }, "area: near"),
+            (FixedParams { area: AreaParams { far: i32::MAX, ..area }, ..good }, "area: far"),
+            (FixedParams { area: AreaParams { left: 1, ..area }, ..good }, "area: left"),
+            (FixedParams { area: AreaParams { right: i32::MAX, ..area }, ..good }, "area: right"),
+            (FixedParams { limits: Limits { area: (2, 1), ..limits }, ..good }, "limits: area"),
+            (FixedParams { limits: Limits { length: (-1, 1), ..limits }, ..good }, "limits: length"),
+            (FixedParams { limits: Limits { min_top: -1, ..limits }, ..good }, "limits: min_top"),
+            (FixedParams { limits: Limits { max_occluded: u32::MAX, ..limits }, ..good }, "limits: max_occluded"),
+            (FixedParams { limits: Limits { hidden: 65_537, ..limits }, ..good }, "limits: hidden"),
+            (FixedParams { view: ViewParams { radius: 0, ..view }, ..good }, "normal radius"),
+        ];
+        for (params, name) in bad {
+            assert_eq!(refused(params), name);
+        }
     }
 }

@@ -14,13 +14,14 @@ use crate::floor::fixed::ransac;
 use crate::ground::{ContourPoint, MAP_DEPTH, MAP_WIDTH, MAX_CONTOUR_POINTS, Map};
 use crate::reconstruct::fixed::{Intake, Scratch, recursive::Lines};
 use crate::wavelet::{SIZE, fixed::Plane};
-use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+use zerocopy::{FromBytes, FromZeros, Immutable, IntoBytes, KnownLayout};
 
 /// What the shared memory holds at the moment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, FromZeros)]
+#[repr(u8)]
 enum Content {
     /// Nothing of use.
-    Nothing,
+    Nothing = 0,
     /// Labels, density and so many contour points.
     Ground(usize),
     /// Labels, N and a view or its coefficients.
@@ -28,7 +29,9 @@ enum Content {
 }
 
 /// The images between the stages. Some lie in the same memory: what is there depends on the stage that ran last.
-#[derive(Debug, Clone)]
+///
+/// Zeroed memory is one of [`FixedImages::new`], so that memory of any origin can become one in place.
+#[derive(Debug, Clone, FromZeros)]
 #[allow(missing_copy_implementations, reason = "half a megabyte should not be copied by accident")]
 pub struct FixedImages<const W: usize, const H: usize> {
     depth: Image<u16, W, H>,

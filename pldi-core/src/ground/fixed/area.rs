@@ -44,6 +44,28 @@ impl AreaParams {
         };
         Ok(Self { near: near as i32, far: far as i32, left: left as i32, right: right as i32 })
     }
+
+    /// Checks numbers that were put together by hand.
+    ///
+    /// # Errors
+    /// `OutOfRange` with the parameter's name, for ranges as in [`crate::ground::AreaParams::validate`].
+    pub const fn validate(&self) -> Result<(), Error> {
+        // 1.5 radians.
+        const WIDEST: i32 = 3 << 27;
+        if self.near < 0 || self.near > 4 * METRE {
+            return Err(Error::OutOfRange("area: near"));
+        }
+        if self.far < self.near + CELL || self.far > (MAP_DEPTH as i32 - 2) * CELL {
+            return Err(Error::OutOfRange("area: far"));
+        }
+        if self.left < -WIDEST || self.left > 0 {
+            return Err(Error::OutOfRange("area: left"));
+        }
+        if self.right < 0 || self.right > WIDEST {
+            return Err(Error::OutOfRange("area: right"));
+        }
+        Ok(())
+    }
 }
 
 /// The area for a camera and a floor: forward distances in 1/128 mm, and right/forward slopes in Q16.

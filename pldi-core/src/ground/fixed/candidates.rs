@@ -68,6 +68,30 @@ impl Limits {
             margin: float.margin,
         })
     }
+
+    /// Checks numbers that were put together by hand.
+    ///
+    /// # Errors
+    /// `OutOfRange` with the parameter's name, for ranges as in [`crate::ground::Limits::validate`].
+    pub const fn validate(&self) -> Result<(), Error> {
+        // 10,000 square metres in 1/16 cells; 10 km in 1/128 mm.
+        if self.area.0 > self.area.1 || self.area.1 > 400_000_000 {
+            return Err(Error::OutOfRange("limits: area"));
+        }
+        if self.length.0 < 0 || self.length.0 > self.length.1 || self.length.1 > 10_000 * METRE {
+            return Err(Error::OutOfRange("limits: length"));
+        }
+        if self.min_top < 0 || self.min_top > 10 * METRE {
+            return Err(Error::OutOfRange("limits: min_top"));
+        }
+        if self.max_occluded > 1 << 16 {
+            return Err(Error::OutOfRange("limits: max_occluded"));
+        }
+        if self.hidden > 1 << 16 {
+            return Err(Error::OutOfRange("limits: hidden"));
+        }
+        Ok(())
+    }
 }
 
 /// Fills the image of cluster numbers (1, 2, ..., 0 = none), and gathers each cluster's pixels. `clusters` holds one

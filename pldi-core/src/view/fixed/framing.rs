@@ -53,6 +53,20 @@ impl ViewParams {
         };
         Ok(Self { descriptor: float.descriptor, framing, radius: radius as u16, hash: float.hash() })
     }
+
+    /// Checks numbers that were put together by hand.
+    ///
+    /// # Errors
+    /// `OutOfRange` with the parameter's name, for ranges as in [`crate::view::ViewParams::validate`].
+    pub const fn validate(&self) -> Result<(), Error> {
+        if self.radius < METRE_OF_DEPTH as u16 / 200 || self.radius > METRE_OF_DEPTH as u16 / 2 {
+            return Err(Error::OutOfRange("normal radius"));
+        }
+        match self.framing {
+            Framing::Metric { side } if side < METRE / 10 || side > 10 * METRE => Err(Error::OutOfRange("view side")),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// A frontal view of an object: which pixel each of its points comes from, and which square of it is the image.
