@@ -132,10 +132,19 @@ pub unsafe extern "C" fn pldi_pipeline_init(
         let params = unsafe { border::shared(params)? };
         border::apart(place, params, 1)?;
         let (params, camera, disparity) = params::checked(params)?;
-        // All groups were checked by their names.
-        let inner = QvgaFixedPipeline::new(&params, &camera).map_err(|_| PLDI_ERROR_INTERNAL)?;
-        // SAFETY: `place` found the memory large and aligned enough; it may be written to, as the header asks.
-        unsafe { place.write(pldi_pipeline(Pipeline { magic: PIPELINE, disparity, inner })) };
+        // The default one first, then its tables in place: made on the stack, they would take more than there is.
+        // SAFETY: `place` found the memory large and aligned enough; it may be written to, as the header asks, and the default one
+        // is not in it, because that is constant. Then it holds a pipeline, that nobody else uses.
+        let made = unsafe {
+            place.copy_from_nonoverlapping(&raw const DEFAULT, 1);
+            &mut (*place).0
+        };
+        made.disparity = disparity;
+        if made.inner.set(&params, &camera).is_err() {
+            // All groups were checked by their names, so this does not happen.
+            made.magic = 0;
+            return Err(PLDI_ERROR_INTERNAL);
+        }
         // SAFETY: what the header asks for.
         unsafe { border::put(pipeline, place) }
     };

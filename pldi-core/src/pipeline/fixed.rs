@@ -103,6 +103,18 @@ impl<const W: usize, const H: usize> Pipeline<Fixed, W, H> {
         }
     }
 
+    /// What [`Pipeline::new`] does, in place: a pipeline that is returned takes several times its size on the stack.
+    ///
+    /// # Errors
+    /// As [`Pipeline::new`]; then everything is as it was.
+    pub fn set(&mut self, params: &FixedParams, intrinsics: &Intrinsics) -> Result<(), Error> {
+        check(params)?;
+        self.tables.rays = Rays::new(intrinsics)?;
+        self.tables.distances = DistanceTable::new(&params.filter);
+        self.params = *params;
+        Ok(())
+    }
+
     /// The rays of the camera's pixels.
     pub fn rays(&self) -> &Rays<W, H> {
         &self.tables.rays
@@ -157,10 +169,8 @@ fn filter<const W: usize, const H: usize>(
     }
 }
 
-const fn tables<const W: usize, const H: usize>(
-    params: &FixedParams,
-    intrinsics: &Intrinsics,
-) -> Result<FixedTables<W, H>, Error> {
+/// Checks numbers that may have been put together by hand.
+const fn check(params: &FixedParams) -> Result<(), Error> {
     if params.range.min == 0 || params.range.min > params.range.max {
         return Err(Error::OutOfRange("depth range"));
     }
@@ -168,7 +178,14 @@ const fn tables<const W: usize, const H: usize>(
     attempt!(params.floor.validate());
     attempt!(params.area.validate());
     attempt!(params.limits.validate());
-    attempt!(params.view.validate());
+    params.view.validate()
+}
+
+const fn tables<const W: usize, const H: usize>(
+    params: &FixedParams,
+    intrinsics: &Intrinsics,
+) -> Result<FixedTables<W, H>, Error> {
+    attempt!(check(params));
     Ok(FixedTables { rays: attempt!(Rays::new(intrinsics)), distances: DistanceTable::new(&params.filter) })
 }
 
@@ -378,8 +395,13 @@ mod tests {
             (FixedParams { limits: Limits { hidden: 65_537, ..limits }, ..good }, "limits: hidden"),
             (FixedParams { view: ViewParams { radius: 0, ..view }, ..good }, "normal radius"),
         ];
+        let mut set = Pipeline::<Fixed>::new(&good, &camera).unwrap();
         for (params, name) in bad {
             assert_eq!(refused(params), name);
+            assert_eq!(set.set(&params, &camera), Err(Error::OutOfRange(name)));
         }
+        assert_eq!(*set.params(), good);
+        let other = FixedParams { area: AreaParams { far: 3 << 17, ..area }, ..good };
+        assert!(set.set(&other, &camera).is_ok() && *set.params() == other);
     }
 }
