@@ -76,6 +76,3 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
         core::hint::spin_loop();
     }
 }
-
-#[cfg(test)]
-mod tests;
