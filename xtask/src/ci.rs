@@ -2,7 +2,7 @@
 
 use crate::process::{cargo, run as run_command};
 use crate::report::Report;
-use crate::{conformance, golden, nofloat, nopanic, nostd, size};
+use crate::{capi, conformance, golden, nofloat, nopanic, nostd, size};
 
 /// `pldi-core`'s features. A test below keeps this list as the manifest has it.
 const CORE_FEATURES: [&str; 3] = ["defmt", "nalgebra", "approx-math"];
@@ -17,6 +17,10 @@ pub(crate) fn run(report: &mut Report) {
         let line = format!("clippy -p pldi-core --all-targets --locked --features {feature} -- -D warnings");
         step(report, &format!("clippy, pldi-core with {feature}"), &line);
     }
+    for feature in ["panic-handler", "std"] {
+        let line = format!("clippy -p pldi-capi --lib --locked --features {feature} -- -D warnings");
+        step(report, &format!("clippy, C library with {feature}"), &line);
+    }
     for (name, line) in [
         ("documentation", "doc --no-deps --workspace --locked"),
         ("documentation, pldi-core with all features", "doc --no-deps -p pldi-core --all-features --locked"),
@@ -29,6 +33,7 @@ pub(crate) fn run(report: &mut Report) {
     nostd::run(report);
     nofloat::run(report);
     nopanic::run(report);
+    capi::run(report, golden::Mode::Check);
     size::run(report, golden::Mode::Check);
     golden::run(report, golden::Mode::Check);
     conformance::suite(report, conformance::Document::Check);

@@ -3,6 +3,7 @@
 //! Standard library only, so that it builds in a second. Every task is a list of steps; all of them run, and what
 //! failed is told again at the end, so that one run shows everything that is wrong.
 
+mod capi;
 mod ci;
 mod conformance;
 mod elf;
@@ -31,6 +32,9 @@ Tasks:
   nofloat           that the pipeline in integers needs no float routine
   nopanic           that no path to a panic is left in either pipeline
   instructions      counts the instructions of each stage in both arithmetics (valgrind); not part of ci
+  capi              the C library: header, C and C++, tests under valgrind and sanitizers, the example in QEMU
+  capi --renew      the same, and writes the header and the example's output anew
+  capi --install PREFIX [--target TARGET]   builds the archive and installs it with header, CMake and pkg-config files
   size              prints the memory plan of the pipeline in integers, compares it with docs/memory.md
   size --renew      writes docs/memory.md anew
   golden            makes the committed golden data anew
@@ -54,7 +58,14 @@ fn main() -> ExitCode {
         ["ci"] => ci::run(&mut report),
         ["nostd"] => nostd::run(&mut report),
         ["nofloat"] => nofloat::run(&mut report),
+<<<<<<< HEAD
         ["nopanic"] => nopanic::run(&mut report),
+=======
+        ["capi"] => capi::run(&mut report, golden::Mode::Check),
+        ["capi", "--renew"] => capi::run(&mut report, golden::Mode::Renew),
+        ["capi", "--install", prefix] => capi::install(&mut report, prefix, None),
+        ["capi", "--install", prefix, "--target", target] => capi::install(&mut report, prefix, Some(target)),
+>>>>>>> 5f5e2e4 (xtask: the C library's checks and its installation)
         ["instructions"] => instructions::run(&mut report),
         ["size"] => size::run(&mut report, golden::Mode::Check),
         ["size", "--renew"] => size::run(&mut report, golden::Mode::Renew),

@@ -32,7 +32,7 @@ pub(crate) fn run(report: &mut Report) {
 
 /// Whether a symbol is one of the compiler's or libm's float routines (the names of the ARM run-time ABI, section 4.1.2,
 /// and of libgcc's soft-float routines).
-fn is_float_routine(name: &str) -> bool {
+pub(crate) fn is_float_routine(name: &str) -> bool {
     let aeabi = ["__aeabi_f", "__aeabi_d", "__aeabi_cf", "__aeabi_cd", "__aeabi_cr", "__aeabi_h2f"];
     let from_integer = ["__aeabi_i2", "__aeabi_ui2", "__aeabi_l2", "__aeabi_ul2"];
     let libgcc =

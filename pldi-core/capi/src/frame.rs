@@ -116,7 +116,10 @@ pub unsafe extern "C" fn pldi_process_frame(
 
 /// Begins a frame that comes in row by row; what came in of another one is forgotten, and so are its results.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pldi_begin_frame(pipeline: *const pldi_pipeline, workspace: *mut pldi_workspace) -> pldi_status {
+pub unsafe extern "C" fn pldi_begin_frame(
+    pipeline: *const pldi_pipeline,
+    workspace: *mut pldi_workspace,
+) -> pldi_status {
     let begin = || {
         border::apart(workspace, pipeline, 1)?;
         // SAFETY: what the header asks for.

@@ -368,12 +368,8 @@ pub(crate) fn checked(params: &pldi_params) -> Checked<(FixedParams, Intrinsics,
     let camera = Intrinsics { width, height, fx, fy, cx, cy };
     let fits = usize::from(width) == crate::PLDI_WIDTH && usize::from(height) == crate::PLDI_HEIGHT;
     camera.validate().ok().filter(|()| fits).ok_or(PLDI_ERROR_INTRINSICS)?;
-    let area = AreaParams {
-        near: params.area.near,
-        far: params.area.far,
-        left: params.area.left,
-        right: params.area.right,
-    };
+    let area =
+        AreaParams { near: params.area.near, far: params.area.far, left: params.area.left, right: params.area.right };
     area.validate().map_err(|_| PLDI_ERROR_AREA)?;
     let params = FixedParams {
         range,

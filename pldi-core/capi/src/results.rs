@@ -244,7 +244,11 @@ pub extern "C" fn pldi_rejection_text(reason: u32) -> *const c_char {
         (PLDI_REJECTED_TOO_LARGE, c"too large"),
         (PLDI_REJECTED_OCCLUDED, c"occluded"),
     ];
-    TEXTS.iter().find(|(known, _)| *known as u32 == reason).map_or(c"no reason of this library", |(_, text)| text).as_ptr()
+    TEXTS
+        .iter()
+        .find(|(known, _)| *known as u32 == reason)
+        .map_or(c"no reason of this library", |(_, text)| text)
+        .as_ptr()
 }
 
 /// A workspace with results.
