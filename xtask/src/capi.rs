@@ -37,7 +37,10 @@ pub(crate) fn run(report: &mut Report, mode: Mode) {
     report.step("C library: example's frame", || example_data(mode));
     report.step("C library: border, valgrind, sanitizers", on_host);
     report.step(format!("C library: example in QEMU, {BOARD}"), in_qemu);
-    report.step(format!("C library: every function linked without float routines, {}", link::TARGET), link::check);
+    for machine in link::MACHINES {
+        let name = format!("C library: every function linked, without float routines and panics, {}", machine.target);
+        report.step(name, || link::check(machine));
+    }
 }
 
 /// Where the steps leave what they make.

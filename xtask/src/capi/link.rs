@@ -1,17 +1,30 @@
-//! Every function of the header linked for a core without FPU: the header declares nothing that the archive lacks, and nothing of
-//! it needs a routine of software floating point.
+//! Every function of the header linked for microcontrollers: the header declares nothing that the archive lacks, and nothing
+//! of it can panic or needs a routine of software floating point.
 
 use std::path::Path;
 
 use super::{HEADER, firmware_archive, folder, need};
 use crate::process::{program, root, run as run_command};
 use crate::report::Outcome;
-use crate::{elf, nofloat};
+use crate::{elf, nofloat, nopanic};
 
-/// A core without FPU.
-pub(super) const TARGET: &str = "thumbv7m-none-eabi";
+/// A target, and what a C compiler calls it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Machine {
+    pub(super) target: &'static str,
+    options: &'static [&'static str],
+}
 
-pub(super) fn check() -> Outcome {
+/// With FPU, and without: there software floating point would show.
+pub(super) const MACHINES: [Machine; 2] = [
+    Machine {
+        target: "thumbv7em-none-eabihf",
+        options: &["-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv5-d16"],
+    },
+    Machine { target: "thumbv7m-none-eabi", options: &["-mcpu=cortex-m3", "-mthumb"] },
+];
+
+pub(super) fn check(machine: Machine) -> Outcome {
     let tool = need("arm-none-eabi-gcc", "gcc-arm-none-eabi");
     if tool != Outcome::Passed {
         return tool;
@@ -20,34 +33,37 @@ pub(super) fn check() -> Outcome {
         Ok(header) => functions(&header),
         Err(error) => return Outcome::Failed(format!("{HEADER}: {error}")),
     };
-    let archive = match firmware_archive(TARGET) {
+    let archive = match firmware_archive(machine.target) {
         Ok(archive) => archive,
         Err(outcome) => return outcome,
     };
-    let (image, poisoned) = (folder().join("all.elf"), folder().join("all-and-float.elf"));
+    let image = |name: &str| folder().join(format!("{name}-{}.elf", machine.target));
+    let (clean, poisoned) = (image("all"), image("all-and-float"));
     let link = |more: Option<&str>, image: &Path| {
         let mut command = program("arm-none-eabi-gcc");
-        command.args(["-mcpu=cortex-m3", "-mthumb", "-nostdlib", "-Wl,--gc-sections", "-Wl,--entry=pldi_version"]);
+        command.args(machine.options).args(["-nostdlib", "-Wl,--gc-sections", "-Wl,--entry=pldi_version"]);
         command.args(functions.iter().map(String::as_str).chain(more).map(|name| format!("-Wl,--undefined={name}")));
         run_command(command.arg(&archive).arg("-o").arg(image))
     };
-    link(None, &image)
-        .and_then(|| match symbols(&image) {
+    let unwanted = |name: &&String| nofloat::is_float_routine(name) || nopanic::is_panic(name);
+    link(None, &clean)
+        .and_then(|| match symbols(&clean) {
             Ok(symbols) if !functions.iter().all(|name| symbols.contains(name)) => {
                 Outcome::Failed("a function of the header is not in the image".into())
             }
-            Ok(symbols) => match symbols.iter().find(|name| nofloat::is_float_routine(name)) {
-                Some(name) => Outcome::Failed(format!("the image has float routines: {name}")),
-                None => {
+            Ok(symbols) => match symbols.iter().filter(unwanted).map(String::as_str).collect::<Vec<_>>()[..] {
+                [] => {
                     println!("{} functions, {} symbols", functions.len(), symbols.len());
                     Outcome::Passed
                 }
+                ref found => Outcome::Failed(format!("float routines or panics in the image: {}", found.join(", "))),
             },
             Err(why) => Outcome::Failed(why),
         })
-        .and_then(|| link(Some("__aeabi_fmul"), &poisoned))
+        // Proves that the check would see one.
+        .and_then(|| link(Some("__aeabi_dmul"), &poisoned))
         .and_then(|| match symbols(&poisoned) {
-            Ok(symbols) if symbols.iter().any(|name| nofloat::is_float_routine(name)) => Outcome::Passed,
+            Ok(symbols) if symbols.iter().any(|name| unwanted(&name)) => Outcome::Passed,
             Ok(_) => Outcome::Failed("a float multiplication was put in, and the check does not see it".into()),
             Err(why) => Outcome::Failed(why),
         })
