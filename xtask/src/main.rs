@@ -58,14 +58,11 @@ fn main() -> ExitCode {
         ["ci"] => ci::run(&mut report),
         ["nostd"] => nostd::run(&mut report),
         ["nofloat"] => nofloat::run(&mut report),
-<<<<<<< HEAD
         ["nopanic"] => nopanic::run(&mut report),
-=======
         ["capi"] => capi::run(&mut report, golden::Mode::Check),
         ["capi", "--renew"] => capi::run(&mut report, golden::Mode::Renew),
         ["capi", "--install", prefix] => capi::install(&mut report, prefix, None),
         ["capi", "--install", prefix, "--target", target] => capi::install(&mut report, prefix, Some(target)),
->>>>>>> 5f5e2e4 (xtask: the C library's checks and its installation)
         ["instructions"] => instructions::run(&mut report),
         ["size"] => size::run(&mut report, golden::Mode::Check),
         ["size", "--renew"] => size::run(&mut report, golden::Mode::Renew),

@@ -2,16 +2,12 @@
 
 use std::path::Path;
 
-/// The sources in the order of the header.
-const SOURCES: [&str; 7] = ["lib", "status", "pipeline", "params", "templates", "frame", "results"];
-
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let out = std::env::args_os().nth(1).ok_or("usage: header FILE")?;
     let config = cbindgen::Config::from_file(here.join("cbindgen.toml"))?;
     let builder = cbindgen::Builder::new().with_config(config);
-    let sources = SOURCES.map(|name| here.join("src").join(name).with_extension("rs"));
-    let bindings = sources.iter().fold(builder, |builder, source| builder.with_src(source)).generate()?;
+    let bindings = builder.with_src(here.join("src/lib.rs")).generate()?;
     let mut text = Vec::new();
     bindings.write(&mut text);
     std::fs::write(out, text)?;

@@ -70,11 +70,6 @@
 #define PLDI_VERSION_PATCH 0
 
 /**
- * The most sensor rows that belong to a row of a frame: 2560 x 1920 pixels.
- */
-#define PLDI_MAX_REDUCTION 8
-
-/**
  * Bytes of a pldi_pipeline on every target. What the tables do not need is kept for later versions.
  */
 #define PLDI_PIPELINE_SIZE 5120
@@ -95,6 +90,16 @@
 #define PLDI_WORKSPACE_ALIGN 8
 
 /**
+ * Words of a pldi_templates.
+ */
+#define PLDI_TEMPLATES_WORDS 20
+
+/**
+ * The most sensor rows that belong to a row of a frame: 2560 x 1920 pixels.
+ */
+#define PLDI_MAX_REDUCTION 8
+
+/**
  * The most detections of a frame.
  */
 #define PLDI_MAX_DETECTIONS 32
@@ -113,11 +118,6 @@
  * No class: the template set is empty.
  */
 #define PLDI_NO_CLASS 65535
-
-/**
- * Words of a pldi_templates.
- */
-#define PLDI_TEMPLATES_WORDS 20
 
 /**
  * What a call came to. A frame without floor or objects is PLDI_OK.
@@ -425,62 +425,6 @@ typedef struct pldi_pipeline pldi_pipeline;
 typedef struct pldi_workspace pldi_workspace;
 
 /**
- * A template set that has been checked: some words of the caller's, which point into the template file's bytes. May be
- * copied. The bytes must stay where they are; many cores may use one set.
- */
-typedef struct pldi_templates {
-    /**
-     * Not to be touched.
-     */
-    size_t words[PLDI_TEMPLATES_WORDS];
-} pldi_templates;
-
-/**
- * The depth of a row of the frame: 320 values, or a whole multiple, of which each block's leftmost is taken. A sensor with k
- * times the frame's width gives every k-th of its rows.
- */
-typedef struct pldi_depth_row {
-    /**
-     * One of pldi_depth_format.
-     */
-    uint32_t format;
-    /**
-     * The values.
-     */
-    const uint16_t *values;
-    /**
-     * How many.
-     */
-    size_t count;
-} pldi_depth_row;
-
-/**
- * The colour of a row of the frame: k rows of k * 320 pixels, whose k x k blocks become a pixel each.
- */
-typedef struct pldi_colour_row {
-    /**
-     * One of pldi_colour_format.
-     */
-    uint32_t format;
-    /**
-     * The first row; aligned to 2 bytes for RGB565.
-     */
-    const void *data;
-    /**
-     * Bytes of a row's pixels.
-     */
-    size_t row_bytes;
-    /**
-     * Bytes from the beginning of a row to that of the next. Not looked at for a single row.
-     */
-    size_t stride;
-    /**
-     * Rows: k, 1 to PLDI_MAX_REDUCTION.
-     */
-    uint32_t rows;
-} pldi_colour_row;
-
-/**
  * How raw disparity becomes depth: z = scale / (offset - disparity), in mm.
  */
 typedef struct pldi_disparity {
@@ -775,6 +719,17 @@ typedef struct pldi_params {
 } pldi_params;
 
 /**
+ * A template set that has been checked: some words of the caller's, which point into the template file's bytes. May be
+ * copied. The bytes must stay where they are; many cores may use one set.
+ */
+typedef struct pldi_templates {
+    /**
+     * Not to be touched.
+     */
+    size_t words[PLDI_TEMPLATES_WORDS];
+} pldi_templates;
+
+/**
  * A name within the template file: `length` bytes of UTF-8, not followed by a zero. Valid as long as the file's bytes are.
  */
 typedef struct pldi_text {
@@ -787,6 +742,51 @@ typedef struct pldi_text {
      */
     size_t length;
 } pldi_text;
+
+/**
+ * The depth of a row of the frame: 320 values, or a whole multiple, of which each block's leftmost is taken. A sensor with k
+ * times the frame's width gives every k-th of its rows.
+ */
+typedef struct pldi_depth_row {
+    /**
+     * One of pldi_depth_format.
+     */
+    uint32_t format;
+    /**
+     * The values.
+     */
+    const uint16_t *values;
+    /**
+     * How many.
+     */
+    size_t count;
+} pldi_depth_row;
+
+/**
+ * The colour of a row of the frame: k rows of k * 320 pixels, whose k x k blocks become a pixel each.
+ */
+typedef struct pldi_colour_row {
+    /**
+     * One of pldi_colour_format.
+     */
+    uint32_t format;
+    /**
+     * The first row; aligned to 2 bytes for RGB565.
+     */
+    const void *data;
+    /**
+     * Bytes of a row's pixels.
+     */
+    size_t row_bytes;
+    /**
+     * Bytes from the beginning of a row to that of the next. Not looked at for a single row.
+     */
+    size_t stride;
+    /**
+     * Rows: k, 1 to PLDI_MAX_REDUCTION.
+     */
+    uint32_t rows;
+} pldi_colour_row;
 
 /**
  * A possible class of an object.
@@ -902,171 +902,6 @@ extern "C" {
  * The library's version, major * 65536 + minor * 256 + patch. Compare it with the header's, PLDI_VERSION.
  */
 uint32_t pldi_version(void);
-
-/**
- * Takes a whole frame all the way. `depth` has 320 * 240 values in mm, 0 = no reading; `colour` as many pixels of 3 bytes, red, green, blue,
- * registered to the depth, or is NULL. `depth_count` and `colour_bytes` say how much there is.
- *
- * A frame without depth, floor or objects is PLDI_OK: the results say so.
- */
-pldi_status pldi_process_frame(const struct pldi_pipeline *pipeline,
-                               struct pldi_workspace *workspace,
-                               const struct pldi_templates *templates,
-                               const uint16_t *depth,
-                               size_t depth_count,
-                               const uint8_t *colour,
-                               size_t colour_bytes);
-
-/**
- * Begins a frame that comes in row by row; what came in of another one is forgotten, and so are its results.
- */
-pldi_status pldi_begin_frame(const struct pldi_pipeline *pipeline, struct pldi_workspace *workspace);
-
-/**
- * Takes in the next row: depth, and colour or NULL. When the call returns, the row's buffers are free. After an error the row
- * counts as not pushed.
- */
-pldi_status pldi_push_row(const struct pldi_pipeline *pipeline,
-                          struct pldi_workspace *workspace,
-                          const struct pldi_depth_row *depth,
-                          const struct pldi_colour_row *colour);
-
-/**
- * Takes a frame whose 240 rows are in all the way: the same results as of pldi_process_frame.
- */
-pldi_status pldi_finish_frame(const struct pldi_pipeline *pipeline,
-                              struct pldi_workspace *workspace,
-                              const struct pldi_templates *templates);
-
-/**
- * Fills in the defaults: a Kinect at 320x240 whose pose is found in each frame.
- */
-pldi_status pldi_default_params(struct pldi_params *params);
-
-/**
- * Sets params->view to what a template set was made with. Only needed for sets that were built with other options than
- * the defaults.
- */
-pldi_status pldi_params_for_templates(struct pldi_params *params, const struct pldi_templates *templates);
-
-/**
- * Bytes that a pipeline takes: PLDI_PIPELINE_SIZE.
- */
-size_t pldi_pipeline_size(void);
-
-/**
- * The alignment of a pipeline: PLDI_PIPELINE_ALIGN.
- */
-size_t pldi_pipeline_align(void);
-
-/**
- * Bytes that a workspace takes: PLDI_WORKSPACE_SIZE.
- */
-size_t pldi_workspace_size(void);
-
-/**
- * The alignment of a workspace: PLDI_WORKSPACE_ALIGN.
- */
-size_t pldi_workspace_align(void);
-
-/**
- * The pipeline of the default parameters, tables and all in constant memory (flash). Linked only where it is called.
- */
-const struct pldi_pipeline *pldi_default_pipeline(void);
-
-/**
- * Makes a pipeline in `memory` (of any content), and leaves a pointer to it in `pipeline`. Again for other parameters.
- * After an error *pipeline is NULL.
- */
-pldi_status pldi_pipeline_init(void *memory,
-                               size_t size,
-                               const struct pldi_params *params,
-                               struct pldi_pipeline **pipeline);
-
-/**
- * Makes a workspace in `memory` (of any content), and leaves a pointer to it in `workspace`. Once is enough: frames need not be
- * cleaned up after. After an error *workspace is NULL.
- */
-pldi_status pldi_init(void *memory,
-                      size_t size,
-                      struct pldi_workspace **workspace);
-
-/**
- * The objects of the last frame, in the order of their clusters: writes at most `capacity` of them to `detections`, and how many there
- * are to `count` (PLDI_ERROR_ARRAY_SHORT where that is more). `templates` is the set that the frame was processed with.
- */
-pldi_status pldi_get_detections(const struct pldi_workspace *workspace,
-                                const struct pldi_templates *templates,
-                                struct pldi_detection *detections,
-                                size_t capacity,
-                                size_t *count);
-
-/**
- * What an object of the last frame may be, best first: one hypothesis a class, at most PLDI_MAX_HYPOTHESES. `detection` is its place
- * among the detections; for none of them, there are no hypotheses. Array, count and templates as in pldi_get_detections.
- */
-pldi_status pldi_get_hypotheses(const struct pldi_workspace *workspace,
-                                const struct pldi_templates *templates,
-                                size_t detection,
-                                struct pldi_hypothesis *hypotheses,
-                                size_t capacity,
-                                size_t *count);
-
-/**
- * The clusters of the last frame that are no objects, and why. Array and count as in pldi_get_detections.
- */
-pldi_status pldi_get_rejected(const struct pldi_workspace *workspace,
-                              struct pldi_rejected *rejected,
-                              size_t capacity,
-                              size_t *count);
-
-/**
- * The floor of the last frame.
- */
-pldi_status pldi_get_floor(const struct pldi_workspace *workspace, struct pldi_floor *floor);
-
-/**
- * The reconstructed depth of the last frame: 320 * 240 values in 1/8 mm, 0 = none. In the workspace: valid until its next frame.
- */
-pldi_status pldi_get_depth(const struct pldi_workspace *workspace,
-                           const uint16_t **depth);
-
-/**
- * N of the last frame's candidates, 65535 = 1, and 0 at all other pixels: 320 * 240 values, or NULL where the frame had no floor. In the
- * workspace: valid until its next frame.
- */
-pldi_status pldi_get_n(const struct pldi_workspace *workspace,
-                       const uint16_t **n);
-
-/**
- * Why a cluster is no object, in a word or two of English. Never NULL, and never to be freed.
- */
-const char *pldi_rejection_text(uint32_t reason);
-
-/**
- * What a status says, in English: what was wrong and what to do. Never NULL, and never to be freed.
- */
-const char *pldi_status_text(int32_t status);
-
-/**
- * Checks a template file that lies in memory (flash, best), `size` bytes of any alignment, and makes a set of it. Nothing is
- * copied: the bytes must stay. Reads all of them once, for the checksum. After an error the set is not initialised.
- */
-pldi_status pldi_templates_open(struct pldi_templates *templates,
-                                const void *bytes,
-                                size_t size);
-
-/**
- * The number of templates and of classes; either place may be NULL.
- */
-pldi_status pldi_templates_count(const struct pldi_templates *templates, size_t *count, size_t *classes);
-
-/**
- * The name of a class; of length 0 where there is no such class.
- */
-pldi_status pldi_templates_class_name(const struct pldi_templates *templates,
-                                      uint16_t class_id,
-                                      struct pldi_text *name);
 
 /**
  * What a status says, in English: what was wrong and what to do. Never NULL, and never to be freed.

@@ -13,12 +13,13 @@
 extern crate std;
 
 mod border;
-mod frame;
-mod params;
-mod pipeline;
-mod results;
+// In the order of the header.
 mod status;
+mod pipeline;
+mod params;
 mod templates;
+mod frame;
+mod results;
 
 pub use frame::*;
 pub use params::*;
