@@ -114,31 +114,41 @@ pub fn find(
     // More could not be numbered.
     let room = points.len().min(MAX_CONTOUR_POINTS);
     let mut points = Points { slots: points.get_mut(..room).unwrap_or_default(), len: 0 };
-    for row in 0..MAP_DEPTH {
-        for column in 0..MAP_WIDTH {
-            let left_empty = column == 0 || marks[row][column - 1] == 0;
-            if marks[row][column] == 0 || !left_empty || labels[row][column] != 0 {
-                continue;
-            }
-            let start = points.len;
-            let label = contours.len() as u8 + 1;
-            let Ok(path) = follow(marks, column as i32, row as i32, &mut points) else {
-                return Err(Error::Capacity("contour points"));
-            };
-            let contour = Contour {
-                start: start as u16,
-                points: (points.len - start) as u16,
-                cells: fill(marks, labels, label, path.bounds),
-                straight: path.straight,
-                diagonal: path.diagonal,
-            };
-            if contours.push(contour).is_err() {
-                erase(labels, label);
-                return Err(Error::Capacity("clusters"));
-            }
+    let mut next = 0;
+    while let Some(cell) = occupied_from(marks, next) {
+        next = cell + 1;
+        let (row, column) = ((cell / MAP_WIDTH) as i32, (cell % MAP_WIDTH) as i32);
+        let labelled = labels.as_flattened().get(cell).is_none_or(|label| *label != 0);
+        if labelled || occupied(marks, column - 1, row) {
+            continue;
+        }
+        let start = points.len;
+        let label = contours.len() as u8 + 1;
+        let Ok(path) = follow(marks, column, row, &mut points) else {
+            return Err(Error::Capacity("contour points"));
+        };
+        let contour = Contour {
+            start: start as u16,
+            points: (points.len - start) as u16,
+            cells: fill(marks, labels, label, path.bounds),
+            straight: path.straight,
+            diagonal: path.diagonal,
+        };
+        if contours.push(contour).is_err() {
+            erase(labels, label);
+            return Err(Error::Capacity("clusters"));
         }
     }
     Ok(())
+}
+
+/// The first occupied cell from `first` on, in raster order.
+fn occupied_from(marks: &Map<u8>, first: usize) -> Option<usize> {
+    let rest = marks.as_flattened().get(first..)?;
+    // Most of the map is empty: eight cells at once.
+    let (eights, _) = rest.as_chunks::<8>();
+    let empty = 8 * eights.iter().take_while(|eight| u64::from_ne_bytes(**eight) == 0).count();
+    Some(first + empty + rest.get(empty..)?.iter().position(|mark| *mark != 0)?)
 }
 
 /// Smallest column and row, largest column and row.

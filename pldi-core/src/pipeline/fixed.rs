@@ -248,8 +248,8 @@ impl Arithmetic for Fixed {
         let area = SensoryArea::new(&params.area, rays.intrinsics(), floor);
         report.clusters.clear();
         report.contours.clear();
-        if let Some((depth, counts, density)) = images.counts() {
-            density::project(depth, rays, &axes, &area, &params.density, counts);
+        if let Some((depth, labels, counts, density)) = images.counts() {
+            density::project(depth, rays, &axes, &area, &params.density, labels, counts);
             density::spread(counts, &params.density, rays.intrinsics().fx, density);
         }
         let Some(Clearing { depth, labels, marks, map_labels, density, points, used }) = images.clearing() else {
@@ -261,7 +261,7 @@ impl Arithmetic for Fixed {
         for _ in &report.contours {
             report.clusters.push(Cluster::EMPTY).map_err(|_| Error::Capacity("clusters"))?;
         }
-        candidates::gather(depth, rays, &axes, &area, &params.density, map_labels, labels, &mut report.clusters);
+        candidates::gather(depth, rays, &axes, map_labels, labels, &mut report.clusters);
         let (clusters, contours) = (&mut report.clusters, &report.contours);
         candidates::judge::<W, H>(clusters, contours, points, map_labels, &axes, &area, &params.limits);
         found

@@ -62,6 +62,10 @@ pub struct Views<'a, const W: usize, const H: usize> {
     pub plane: &'a Plane,
 }
 
+/// The depth, the pixels' labels, the counts and the density.
+pub(super) type Counting<'a, const W: usize, const H: usize> =
+    (&'a Image<u16, W, H>, &'a mut Image<u8, W, H>, &'a mut Map<u16>, &'a mut Map<u16>);
+
 /// What the search for the ground's clusters works on.
 pub(super) struct Clearing<'a, const W: usize, const H: usize> {
     pub(super) depth: &'a Image<u16, W, H>,
@@ -192,13 +196,13 @@ impl<const W: usize, const H: usize> FixedImages<W, H> {
         Some((&self.depth, points))
     }
 
-    /// The depth, the counts and the density.
-    pub(super) fn counts(&mut self) -> Option<(&Image<u16, W, H>, &mut Map<u16>, &mut Map<u16>)> {
+    /// What the count of the points works on.
+    pub(super) fn counts(&mut self) -> Option<Counting<'_, W, H>> {
         self.content = Content::Nothing;
-        let (_, rest) = cut_mut::<Image<u8, W, H>>(self.shared.as_mut_bytes())?;
+        let (labels, rest) = cut_mut(self.shared.as_mut_bytes())?;
         let (counts, rest) = cut_mut(rest)?;
         let (density, _) = cut_mut(rest)?;
-        Some((&self.depth, counts, density))
+        Some((&self.depth, labels, counts, density))
     }
 
     /// What comes after the density: the counts are given up.

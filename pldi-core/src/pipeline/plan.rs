@@ -46,7 +46,7 @@ pub enum Stage {
     Density,
     /// On the ground map.
     Ground,
-    /// From the ground map on.
+    /// From the count of the points on.
     GroundAndViews,
     /// For N and the views.
     Views,
@@ -62,7 +62,7 @@ impl Stage {
             Self::Floor => "floor's search",
             Self::Density => "density",
             Self::Ground => "ground map",
-            Self::GroundAndViews => "ground map, views",
+            Self::GroundAndViews => "density, ground map, views",
             Self::Views => "views",
         }
     }
@@ -193,7 +193,8 @@ mod tests {
         let together = |a: Stage, b: Stage| {
             let views = [Stage::GroundAndViews, Stage::Views];
             let ground = [Stage::GroundAndViews, Stage::Ground];
-            a == b || [views, ground].iter().any(|group| group.contains(&a) && group.contains(&b))
+            let density = [Stage::GroundAndViews, Stage::Density];
+            a == b || [views, ground, density].iter().any(|group| group.contains(&a) && group.contains(&b))
         };
         for (i, a) in BUFFERS.iter().enumerate() {
             for b in &BUFFERS[i + 1..] {

@@ -1,14 +1,13 @@
 //! Clusters of pixels and their tests in fixed point.
 
-use super::projection::{CELL_BITS, Gate, Point, Projection, Ray};
-use super::{CELL, Cluster, DensityParams, SensoryArea, cell_centre, length, occlusion};
+use super::projection::{CELL_BITS, Point, Projection, cell_of};
+use super::{CELL, Cluster, SensoryArea, cell_centre, length, occlusion};
 use crate::fixed::{METRE, mul_q30, quantise, unit};
 use crate::floor::fixed::FloorAxes;
 use crate::ground::candidates::{cut, reject_occluded};
 use crate::ground::{Contour, ContourPoint, Map, Rejection};
 use crate::rays::fixed::Rays;
 use crate::{Error, Image};
-use core::ops::Range;
 
 /// What a cluster must be like to be a candidate, see [`crate::ground::Limits`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,29 +93,23 @@ impl Limits {
     }
 }
 
-/// Fills the image of cluster numbers (1, 2, ..., 0 = none), and gathers each cluster's pixels. `clusters` holds one
-/// entry per contour, `depth` is in 1/8 mm, and the other arguments are those of [`super::density::project`]: every
-/// pixel falls into the same cell as there.
+/// Replaces the marks of [`super::density::project`] in `labels` by cluster numbers (1, 2, ..., 0 = none), and gathers each
+/// cluster's pixels. `clusters` holds one entry per contour, `depth` is in 1/8 mm, and the other arguments are as there: every
+/// pixel falls into the same cell.
 ///
 /// This is the depth culling of the paper: a pixel is an object's when its projection falls within the contour of the
 /// object's footprint and it is above the floor. Centroids and heights are less than 0.1 mm off up to 8 m.
-#[allow(clippy::too_many_arguments, reason = "one call, from the pipeline")]
 pub fn gather<const W: usize, const H: usize>(
     depth: &Image<u16, W, H>,
     rays: &Rays<W, H>,
     axes: &FloorAxes,
-    area: &SensoryArea,
-    params: &DensityParams,
     map_labels: &Map<u8>,
     labels: &mut Image<u8, W, H>,
     clusters: &mut [Cluster],
 ) {
-    let gate = Gate::new(rays, axes, area, params);
     let map_labels = map_labels.as_flattened();
-    let start = |v| gate.row(rays, v);
-    gather_pixels(depth, start, labels, clusters, |_, _, z, ray| {
-        let pixel = gate.pixel(z, ray)?;
-        Some((map_labels.get(pixel.cell).copied()?, pixel.point, pixel.height))
+    gather_pixels(depth, rays, axes, labels, clusters, |point| {
+        cell_of(point).and_then(|cell| map_labels.get(cell)).copied().unwrap_or(0)
     });
 }
 
@@ -130,19 +123,23 @@ pub fn gather_mask<const W: usize, const H: usize>(
     labels: &mut Image<u8, W, H>,
     clusters: &mut [Cluster],
 ) {
-    let projection = Projection::new(rays, axes);
-    let start = |v| (0..W, projection.ray(rays, v, 0), projection.step());
-    gather_pixels(depth, start, labels, clusters, |u, v, z, ray| {
-        let (point, up) = ray.at(z);
-        (z != 0 && mask(u, v)).then(|| (1, point, axes.floor.height.wrapping_add(up)))
-    });
+    for (v, (line, labels)) in depth.iter().zip(labels.iter_mut()).enumerate() {
+        for (u, (z, label)) in line.iter().zip(labels).enumerate() {
+            *label = u8::from(*z != 0 && mask(u, v));
+        }
+    }
+    gather_pixels(depth, rays, axes, labels, clusters, |_| 1);
 }
+
+/// Pixels that are looked at together.
+const STRIDE: usize = 4;
 
 /// Neighbours in a row with the same label.
 #[derive(Clone, Copy)]
 struct Run {
     label: u8,
     first: usize,
+    end: usize,
     right: i64,
     forward: i64,
     top: i32,
@@ -150,16 +147,16 @@ struct Run {
 
 impl Run {
     const fn new(label: u8, first: usize) -> Self {
-        Self { label, first, right: 0, forward: 0, top: 0 }
+        Self { label, first, end: first, right: 0, forward: 0, top: 0 }
     }
 
-    /// Adds the run to its cluster; it ends before column `end` of row `v`.
+    /// Adds the run to its cluster; it is in row `v`.
     #[inline(never)]
-    fn close(self, v: usize, end: usize, clusters: &mut [Cluster]) {
+    fn close(self, v: usize, clusters: &mut [Cluster]) {
         let Some(cluster) = usize::from(self.label).checked_sub(1).and_then(|i| clusters.get_mut(i)) else { return };
-        cluster.pixels += (end - self.first) as u32;
+        cluster.pixels += (self.end - self.first) as u32;
         let [u0, v0, u1, v1] = cluster.bbox;
-        cluster.bbox = [u0.min(self.first as u16), v0.min(v as u16), u1.max(end as u16 - 1), v1.max(v as u16)];
+        cluster.bbox = [u0.min(self.first as u16), v0.min(v as u16), u1.max(self.end as u16 - 1), v1.max(v as u16)];
         add(&mut cluster.center, self.right);
         add(&mut cluster.size, self.forward);
         cluster.top = cluster.top.max(self.top);
@@ -177,37 +174,45 @@ fn sum_of(words: [i32; 3]) -> i64 {
     (i64::from(words[1]) << 32) | i64::from(words[0] as u32)
 }
 
-/// Labels pixels and adds them to their clusters. `start` gives a row's columns, the ray of the first and the step;
-/// `judge` takes column, row, depth and ray to label, point and height, or to nothing.
+/// Adds the pixels whose label is 1 to the cluster that `label_of` their point says, and labels them so.
 #[inline(always)]
 fn gather_pixels<const W: usize, const H: usize>(
     depth: &Image<u16, W, H>,
-    start: impl Fn(usize) -> (Range<usize>, Ray, Ray),
+    rays: &Rays<W, H>,
+    axes: &FloorAxes,
     labels: &mut Image<u8, W, H>,
     clusters: &mut [Cluster],
-    judge: impl Fn(usize, usize, u16, Ray) -> Option<(u8, Point, i32)>,
+    label_of: impl Fn(Point) -> u8,
 ) {
     clusters.fill(Cluster::EMPTY);
+    let projection = Projection::new(rays, axes);
+    let step = projection.step();
     for (v, (line, labels)) in depth.iter().zip(labels.iter_mut()).enumerate() {
-        labels.fill(0);
-        let (columns, mut ray, step) = start(v);
+        let ray = projection.ray(rays, v);
         let mut run = Run::new(0, 0);
-        for (u, (&z, out)) in line.iter().zip(labels.iter_mut()).enumerate().take(columns.end).skip(columns.start) {
-            let judged = judge(u, v, z, ray);
-            ray = ray.next(step);
-            let label = judged.map_or(0, |(label, ..)| label);
-            if label != run.label {
-                run.close(v, u, clusters);
-                run = Run::new(label, u);
+        for (k, (depths, labels)) in line.chunks(STRIDE).zip(labels.chunks_mut(STRIDE)).enumerate() {
+            // Most pixels are nobody's: a word of them at once.
+            if <&[u8; STRIDE]>::try_from(&*labels).is_ok_and(|word| u32::from_ne_bytes(*word) == 0) {
+                continue;
             }
-            if let Some((label, [right, forward], height)) = judged {
-                *out = label;
-                run.right += i64::from(right);
-                run.forward += i64::from(forward);
-                run.top = run.top.max(height);
+            for (i, (&z, label)) in depths.iter().zip(labels).enumerate() {
+                if *label == 0 {
+                    continue;
+                }
+                let u = STRIDE * k + i;
+                let (point, up) = ray.after(u, step).at(z);
+                *label = label_of(point);
+                if *label != run.label || u != run.end {
+                    run.close(v, clusters);
+                    run = Run::new(*label, u);
+                }
+                run.end = u + 1;
+                run.right += i64::from(point[0]);
+                run.forward += i64::from(point[1]);
+                run.top = run.top.max(axes.floor.height.wrapping_add(up));
             }
         }
-        run.close(v, columns.end, clusters);
+        run.close(v, clusters);
     }
     for cluster in clusters {
         // A cell is 5/4 * 2^11 units of 1/128 mm.
@@ -238,7 +243,7 @@ pub fn judge<const W: usize, const H: usize>(
     }
     reject_occluded(clusters, contours, |i, clusters, contour| {
         let (sensor, all) = (axes.floor.height, u64::from(contour.points));
-        let hidden = occlusion::occluded_points(i, clusters, contour, points, labels, sensor, limits.hidden);
+        let hidden = occlusion::occluded_points(i, clusters, contours, points, labels, sensor, limits.hidden);
         (hidden as u64) << 16 > u64::from(limits.max_occluded) * all
     });
 }

@@ -98,12 +98,15 @@ impl DensityParams {
 
 /// Counts the points above the floor in image L. `depth` is in 1/8 mm. A pixel at depth z counts (z / 2 m)^2, in images
 /// other than 320 pixels wide as much as its share of such an image; rounded to nearest in the unit of its cell.
+///
+/// `labels` receives 1 for the pixels that count and 0 for the others, see [`super::candidates::gather`].
 pub fn project<const W: usize, const H: usize>(
     depth: &Image<u16, W, H>,
     rays: &Rays<W, H>,
     axes: &FloorAxes,
     area: &SensoryArea,
     params: &DensityParams,
+    labels: &mut Image<u8, W, H>,
     counts: &mut Map<u16>,
 ) {
     let counts = counts.as_flattened_mut();
@@ -112,17 +115,24 @@ pub fn project<const W: usize, const H: usize>(
     // (z / 2 m)^2 in 2^-8: z^2 / 10^6, as a factor in Q32.
     let width = (W as u64).max(1);
     let near = (4_294_967_296 * 320 * 320 / (1_000_000 * width * width)).min(u64::from(u32::MAX));
-    for (v, line) in depth.iter().enumerate() {
-        let (columns, mut ray, step) = gate.row(rays, v);
-        for &z in line.get(columns).unwrap_or(&[]) {
-            if let Some(pixel) = gate.pixel(z, ray)
-                && let Some(count) = counts.get_mut(pixel.cell)
+    let step = gate.step();
+    for (v, (line, labels)) in depth.iter().zip(labels.iter_mut()).enumerate() {
+        labels.fill(0);
+        let (columns, ray) = gate.row(rays, v);
+        let first = columns.start;
+        let (Some(line), Some(labels)) = (line.get(columns.clone()), labels.get_mut(columns)) else { continue };
+        let mut up = ray.after(first, step).up();
+        for (u, (&z, label)) in line.iter().zip(labels).enumerate() {
+            if gate.stands(z, up)
+                && let Some(cell) = gate.cell(ray.after(first + u, step).at(z).0)
+                && let Some(count) = counts.get_mut(cell)
             {
-                let unit = if pixel.cell < FAR_ROW * MAP_WIDTH { near } else { near / 2 };
-                let weight = (u64::from(pixel.square) * unit + (1 << 31)) >> 32;
+                *label = 1;
+                let unit = if cell < FAR_ROW * MAP_WIDTH { near } else { near / 2 };
+                let weight = (u64::from(z) * u64::from(z) * unit + (1 << 31)) >> 32;
                 *count = u32::from(*count).saturating_add(weight as u32).min(u32::from(u16::MAX)) as u16;
             }
-            ray = ray.next(step);
+            up = up.wrapping_add(step.up());
         }
     }
 }

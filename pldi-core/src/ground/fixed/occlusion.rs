@@ -9,16 +9,24 @@ use crate::ground::{Contour, ContourPoint, MAP_WIDTH, Map};
 ///
 /// `sensor` is the camera's height in 1/128 mm, `hidden` the share in Q16. Rays are followed in steps of one cell, at most
 /// 0.005 cells off at their end.
+///
+/// `contours` are those of the clusters, in the same order.
 pub fn occluded_points(
     index: usize,
     clusters: &[Cluster],
-    contour: &Contour,
+    contours: &[Contour],
     points: &[ContourPoint],
     labels: &Map<u8>,
     sensor: i32,
     hidden: u32,
 ) -> usize {
-    let Some(own) = clusters.get(index) else { return 0 };
+    let (Some(own), Some(contour)) = (clusters.get(index), contours.get(index)) else { return 0 };
+    let others = clusters.iter().zip(contours).enumerate().filter(|(i, (other, _))| *i != index && !other.is_noise());
+    // Before that row, no ray meets another cluster.
+    let Some(nearest) = others.flat_map(|(_, (_, contour))| contour.of(points)).map(|point| point.row).min() else {
+        return 0;
+    };
+    let labels = labels.as_flattened();
     // Times distances in cells (below 2^8) in Q8, heights below 2^31 stay below 2^48.
     let (sensor, own) = (i64::from(sensor), (i64::from(own.top) * i64::from(hidden)) >> 16);
     contour
@@ -33,14 +41,17 @@ pub fn occluded_points(
             // at least 1, so the shift is at least 39.
             let along = |v: i32| ((i64::from(v) * i64::from(mantissa)) >> (shift - 27)) as i32;
             let (dx, dy) = (along(x), along(y));
-            let (mut column, mut row) = ((MAP_WIDTH as i32 / 2) << 20, 0);
             // In whole cells; the distance is in cells, Q8.
-            let (steps, distance) = (i64::from(distance >> 8), i64::from(distance));
-            (1..steps).any(|i| {
+            let (steps, distance) = (distance >> 8, i64::from(distance));
+            let first = (u32::from(nearest) << 20).div_ceil(dy.max(1).unsigned_abs()).clamp(1, steps.max(1));
+            // Below 2^8 steps of 2^20 at most.
+            let passed = first as i32 - 1;
+            let (mut column, mut row) = (((MAP_WIDTH as i32 / 2) << 20) + dx * passed, dy * passed);
+            (first..steps).any(|i| {
                 column += dx;
                 row += dy;
-                let line = labels.get((row >> 20) as usize);
-                let label = line.and_then(|line| line.get((column >> 20) as usize)).map_or(0, |l| usize::from(*l));
+                let cell = (row >> 20) as usize * MAP_WIDTH + (column >> 20) as usize;
+                let label = usize::from(labels.get(cell).copied().unwrap_or(0));
                 if label == 0 || label == index + 1 {
                     return false;
                 }
@@ -49,7 +60,7 @@ pub fn occluded_points(
                     return false;
                 }
                 // The line over the other's top at its distance i, continued to the cell's distance; all times i.
-                let top = i64::from(other.top);
+                let (top, i) = (i64::from(other.top), i64::from(i));
                 let line = ((sensor * i) << 8) - (sensor - top) * distance;
                 top >= sensor || line > (own * i) << 8
             })
@@ -92,10 +103,10 @@ mod tests {
         let units = |v: f32| (v * 128_000.0) as i32;
         let fixed = tops.map(|top| Cluster { top: units(top), ..Cluster::EMPTY });
         [0, 1].map(|i| {
-            let contour = contour(100 * i as u16);
+            let contours = [contour(0), contour(100)];
             (
-                occlusion::occluded_share(i, &float, &contour, &points, &labels, sensor, 0.25),
-                occluded_points(i, &fixed, &contour, &points, &labels, units(sensor), 1 << 14) as f32 / 100.0,
+                occlusion::occluded_share(i, &float, &contours[i], &points, &labels, sensor, 0.25),
+                occluded_points(i, &fixed, &contours, &points, &labels, units(sensor), 1 << 14) as f32 / 100.0,
             )
         })
     }

@@ -1,5 +1,5 @@
-//! Where on the floor a pixel stands: the same decisions for the count of the points and for the gathering of the
-//! pixels, bit for bit, because both ask here.
+//! Where on the floor a pixel stands: the same place for the count of the points and for the gathering of the pixels, bit for
+//! bit, because both ask here.
 //!
 //! A pixel's floor coordinates are its depth times its ray in floor axes, and along a row that ray changes by the same
 //! step from column to column. So a row starts with three exact numbers, rounded, and adds three steps per column; what
@@ -10,6 +10,7 @@ use crate::fixed::{mul_high, where_not_negative};
 use crate::floor::fixed::FloorAxes;
 use crate::ground::{MAP_DEPTH, MAP_WIDTH};
 use crate::rays::fixed::Rays;
+use core::ops::Range;
 
 /// Units of a cell's side in [`Point`]s: 2^11.
 pub(super) const CELL_BITS: u32 = 11;
@@ -31,10 +32,17 @@ impl Ray {
         ([mul_high(z, self.0[0]), mul_high(z, self.0[1])], mul_high(z, self.0[2]))
     }
 
-    /// The ray of the next column. Wrapping, for axes that are no unit vectors.
+    /// The ray so many columns on. Wrapping, for axes that are no unit vectors.
     #[inline(always)]
-    pub(super) fn next(self, step: Self) -> Self {
-        Self(core::array::from_fn(|i| self.0[i].wrapping_add(step.0[i])))
+    pub(super) fn after(self, columns: usize, step: Self) -> Self {
+        let on = |i: usize| self.0[i].wrapping_add((columns as i32).wrapping_mul(step.0[i]));
+        Self([on(0), on(1), on(2)])
+    }
+
+    /// Height per depth, Q25.
+    #[inline(always)]
+    pub(super) fn up(self) -> i32 {
+        self.0[2]
     }
 }
 
@@ -61,29 +69,25 @@ impl Projection {
         self.step
     }
 
-    /// The ray of row `v` and column `first`.
-    pub(super) fn ray<const W: usize, const H: usize>(&self, rays: &Rays<W, H>, v: usize, first: usize) -> Ray {
+    /// The ray of row `v` and column 0.
+    pub(super) fn ray<const W: usize, const H: usize>(&self, rays: &Rays<W, H>, v: usize) -> Ray {
         let (x, y) = (rays.x().first().copied().unwrap_or(0), rays.y().get(v).copied().unwrap_or(0));
         // The axes' parts along x and y make at most 2^30 together, x and y at most 2^31.5: below 2^62.
-        let start = self.axes.map(|a| {
+        Ray(self.axes.map(|a| {
             let dot = (i64::from(a[0]).wrapping_mul(i64::from(x)))
                 .wrapping_add(i64::from(a[1]).wrapping_mul(i64::from(y)))
                 .wrapping_add(i64::from(a[2]) << 26);
             (dot.wrapping_add(1 << 30) >> 31) as i32
-        });
-        Ray(core::array::from_fn(|i| start[i].wrapping_add((first as i32).wrapping_mul(self.step.0[i]))))
+        }))
     }
 }
 
-/// A pixel of something that stands in the sensory area.
-pub(super) struct Pixel {
-    /// Number of its cell: row * [`MAP_WIDTH`] + column.
-    pub(super) cell: usize,
-    pub(super) point: Point,
-    /// Above the floor, 1/128 mm.
-    pub(super) height: i32,
-    /// Square of its depth in (1/8 mm)^2.
-    pub(super) square: u32,
+/// The number of the cell that a point lies in: row * [`MAP_WIDTH`] + column.
+#[inline(always)]
+pub(super) fn cell_of([right, forward]: Point) -> Option<usize> {
+    let (column, row) = ((right >> CELL_BITS) + MAP_WIDTH as i32 / 2, forward >> CELL_BITS);
+    let inside = (column as u32) < MAP_WIDTH as u32 && (row as u32) < MAP_DEPTH as u32;
+    inside.then_some(row as usize * MAP_WIDTH + column as usize)
 }
 
 /// Which pixels count.
@@ -124,41 +128,39 @@ impl Gate {
         }
     }
 
-    /// The columns of row `v` whose rays lie between the area's sides (as first and behind the last), the ray of the first,
-    /// and the step.
+    /// The columns of row `v` whose rays lie between the area's sides (as first and behind the last), and the ray of column 0.
     ///
     /// The sides' test does not depend on the depth: left * forward <= right holds for a ray or does not.
-    pub(super) fn row<const W: usize, const H: usize>(
-        &self,
-        rays: &Rays<W, H>,
-        v: usize,
-    ) -> (core::ops::Range<usize>, Ray, Ray) {
-        let (Ray([right, forward, _]), Ray([dr, df, _])) = (self.projection.ray(rays, v, 0), self.projection.step);
+    pub(super) fn row<const W: usize, const H: usize>(&self, rays: &Rays<W, H>, v: usize) -> (Range<usize>, Ray) {
+        let (ray, Ray([dr, df, _])) = (self.projection.ray(rays, v), self.projection.step);
+        let Ray([right, forward, _]) = ray;
         // Below 2^47 + 2^29 * 2^31.
         let beyond = |slope: i64, right: i32, forward: i32| (i64::from(right) << 16) - slope * i64::from(forward);
         let (a, b) = where_not_negative(beyond(self.left, right, forward), beyond(self.left, dr, df), W);
         let (c, d) = where_not_negative(-beyond(self.right, right, forward), -beyond(self.right, dr, df), W);
         let first = a.max(c);
-        (first..b.min(d).max(first), self.projection.ray(rays, v, first), self.projection.step)
+        (first..b.min(d).max(first), ray)
     }
 
-    /// The pixel at depth `z` on a ray; `None` where it has no depth, belongs to the floor or lies outside of the area.
+    /// The step from column to column.
+    pub(super) fn step(&self) -> Ray {
+        self.projection.step
+    }
+
+    /// Whether what lies at depth `z` on a ray with this height per depth has a depth and stands above the floor; to be
+    /// asked first, because most pixels do not.
     #[inline(always)]
-    pub(super) fn pixel(&self, z: u16, ray: Ray) -> Option<Pixel> {
-        let (point, up) = ray.at(z);
-        let height = self.height.wrapping_add(up);
+    pub(super) fn stands(&self, z: u16, up: i32) -> bool {
+        let height = self.height.wrapping_add(mul_high(i32::from(z) << CELL_BITS, up));
         let square = u32::from(z) * u32::from(z);
         // Below 2^24.
         let grown = ((u64::from(square) * u64::from(self.per_square)) >> 32) as i32;
-        if z == 0 || height < self.min_height + grown || height > self.max_height {
-            return None;
-        }
-        let [right, forward] = point;
-        if forward < self.near || forward > self.far {
-            return None;
-        }
-        let (column, row) = ((right >> CELL_BITS) + MAP_WIDTH as i32 / 2, forward >> CELL_BITS);
-        let inside = (column as u32) < MAP_WIDTH as u32 && (row as u32) < MAP_DEPTH as u32;
-        inside.then(|| Pixel { cell: row as usize * MAP_WIDTH + column as usize, point, height, square })
+        height >= self.min_height + grown && height <= self.max_height && z != 0
+    }
+
+    /// The cell of a point within the area.
+    #[inline(always)]
+    pub(super) fn cell(&self, point: Point) -> Option<usize> {
+        if point[1] < self.near || point[1] > self.far { None } else { cell_of(point) }
     }
 }

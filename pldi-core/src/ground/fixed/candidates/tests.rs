@@ -1,7 +1,7 @@
 use super::*;
 use crate::floor::fixed::Floor;
 use crate::ground::border::{find, point_count};
-use crate::ground::fixed::{AreaParams, density};
+use crate::ground::fixed::{AreaParams, DensityParams, density};
 use crate::ground::{self, MAP_DEPTH, MAP_WIDTH, MAX_CONTOUR_POINTS, density as float_density};
 use proptest::prelude::*;
 
@@ -76,14 +76,14 @@ struct Found {
 fn fixed(s: &Setting, depth: &Image<u16, W, H>) -> Found {
     let (mut counts, mut density, mut labels) = (boxed(0), boxed(0), boxed(0));
     let (mut marks, mut map_labels) = (boxed(0), boxed(0));
-    density::project(depth, &s.rays, &s.axes, &s.area, &s.density, &mut counts);
+    density::project(depth, &s.rays, &s.axes, &s.area, &s.density, &mut labels, &mut counts);
     density::spread(&counts, &s.density, s.rays.intrinsics().fx, &mut density);
     density::occupied(&density, s.density.threshold, &mut marks);
     let (mut contours, mut points) = (heapless::Vec::new(), vec![ContourPoint::default(); MAX_CONTOUR_POINTS]);
     find(&mut marks, &mut map_labels, &mut contours, &mut points).unwrap();
     points.truncate(point_count(&contours));
     let mut clusters = vec![Cluster::EMPTY; contours.len()];
-    gather(depth, &s.rays, &s.axes, &s.area, &s.density, &map_labels, &mut labels, &mut clusters);
+    gather(depth, &s.rays, &s.axes, &map_labels, &mut labels, &mut clusters);
     judge::<W, H>(&mut clusters, &contours, &points, &map_labels, &s.axes, &s.area, &s.limits);
     Found { counts, density, labels, contours: contours.to_vec(), clusters }
 }
@@ -178,10 +178,10 @@ proptest! {
             }
         }
         let (mut counts, mut density, mut labels, map_labels) = (boxed(0), boxed(0), boxed(0), boxed(1));
-        density::project(&depth, &s.rays, &s.axes, &s.area, &s.density, &mut counts);
+        density::project(&depth, &s.rays, &s.axes, &s.area, &s.density, &mut labels, &mut counts);
         density::spread(&counts, &s.density, s.rays.intrinsics().fx, &mut density);
         let mut clusters = [Cluster::EMPTY];
-        gather(&depth, &s.rays, &s.axes, &s.area, &s.density, &map_labels, &mut labels, &mut clusters);
+        gather(&depth, &s.rays, &s.axes, &map_labels, &mut labels, &mut clusters);
         prop_assert_eq!(clusters[0].pixels as usize, labels.as_flattened().iter().filter(|l| **l == 1).count());
         gather_mask(&depth, &s.rays, &s.axes, |_, _| true, &mut labels, &mut clusters);
         prop_assert_eq!(clusters[0].pixels as usize, depth.as_flattened().iter().filter(|z| **z != 0).count());
