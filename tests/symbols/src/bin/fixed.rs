@@ -8,6 +8,7 @@
 use core::panic::PanicInfo;
 use pldi_core::pipeline::{FixedParams, Params, QvgaFixedPipeline, QvgaFixedWorkspace, Report, digest, plan};
 use pldi_core::reconstruct::fixed::{Bayer, ColourRow, DepthRow, Disparity};
+use pldi_core::serial::{Answer, DEVICE_BUFFER, Decoder, Device, HOST_BUFFER, Request};
 use pldi_core::templates::Templates;
 use pldi_core::{Error, Fixed, Frame, Intrinsics, floor, matching, rays, templates};
 
@@ -45,6 +46,7 @@ pub struct Outside<'a> {
     camera: &'a rays::fixed::Intrinsics,
     pose: [i32; 3],
     workspace: &'a mut QvgaFixedWorkspace,
+    decoders: (&'a mut Decoder<DEVICE_BUFFER>, &'a mut Decoder<HOST_BUFFER>),
     indices: [usize; 2],
 }
 
@@ -52,7 +54,7 @@ pub struct Outside<'a> {
 #[unsafe(no_mangle)]
 pub extern "C" fn entry(outside: &mut Outside<'_>) -> usize {
     let mut sum = 0usize;
-    for part in [whole_frames, rows, stages, template_file] {
+    for part in [whole_frames, rows, stages, template_file, serial_line] {
         sum = sum.wrapping_add(part(outside).unwrap_or(usize::MAX));
     }
     sum
@@ -156,6 +158,29 @@ fn template_file(outside: &mut Outside<'_>) -> Result<usize, Error> {
             sum = sum.wrapping_add(hypothesis.score as usize);
         }
     }
+    Ok(sum)
+}
+
+/// A device on a line, and the other end of the line.
+fn serial_line(outside: &mut Outside<'_>) -> Result<usize, Error> {
+    let Outside { flat_colour, workspace, decoders: (requests, answers), templates, indices, .. } = outside;
+    let mut sum = 0usize;
+    let mut sink = |bytes: &[u8]| sum = sum.wrapping_add(bytes.iter().map(|byte| usize::from(*byte)).sum());
+    let mut bytes = *flat_colour;
+    while let Some(found) = answers.feed(&mut bytes) {
+        let Ok(packet) = found else { continue };
+        if let Ok(request) = Request::parse(&packet) {
+            let _ = request.write(indices[0] as u16, &mut sink);
+        }
+        if let Ok(Answer::Detections(found)) = Answer::parse(&packet) {
+            let hypotheses = found.iter().map(|(_, hypotheses)| hypotheses.len()).sum::<usize>();
+            sink(&[hypotheses as u8, found.rejected().len() as u8]);
+        }
+    }
+    let mut device = Device::new(&PIPELINE, Templates::parse(templates)?, workspace, requests)?;
+    device.telemetry().stack = indices[1] as u32;
+    device.receive(flat_colour, &mut sink);
+    sink(device.rejects().total().to_le_bytes().as_slice());
     Ok(sum)
 }
 
