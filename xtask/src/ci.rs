@@ -2,7 +2,7 @@
 
 use crate::process::{cargo, run as run_command};
 use crate::report::Report;
-use crate::{capi, conformance, golden, nofloat, nopanic, nostd, size};
+use crate::{capi, conformance, golden, nofloat, nopanic, nostd, robot, size};
 
 /// `pldi-core`'s features. A test below keeps this list as the manifest has it.
 const CORE_FEATURES: [&str; 3] = ["defmt", "nalgebra", "approx-math"];
@@ -34,6 +34,7 @@ pub(crate) fn run(report: &mut Report) {
     nofloat::run(report);
     nopanic::run(report);
     capi::run(report, golden::Mode::Check);
+    robot::run(report, robot::Extent::Short);
     size::run(report, golden::Mode::Check);
     golden::run(report, golden::Mode::Check);
     conformance::suite(report, conformance::Document::Check);

@@ -14,6 +14,7 @@ mod nopanic;
 mod nostd;
 mod process;
 mod report;
+mod robot;
 mod size;
 mod symbols;
 
@@ -35,6 +36,8 @@ Tasks:
   capi              the C library: header, C and C++, tests under valgrind and sanitizers, the example in QEMU
   capi --renew      the same, and writes the header and the example's output anew
   capi --install PREFIX [--target TARGET]   builds the archive and installs it with header, CMake and pkg-config files
+  robot             a device in QEMU answers frames that come over a bad line: 20 frames, 1,000 corrupted packets
+  robot --all       200 frames, 10,000 corrupted packets
   size              prints the memory plan of the pipeline in integers, compares it with docs/memory.md
   size --renew      writes docs/memory.md anew
   golden            makes the committed golden data anew
@@ -64,6 +67,8 @@ fn main() -> ExitCode {
         ["capi", "--install", prefix] => capi::install(&mut report, prefix, None),
         ["capi", "--install", prefix, "--target", target] => capi::install(&mut report, prefix, Some(target)),
         ["instructions"] => instructions::run(&mut report),
+        ["robot"] => robot::run(&mut report, robot::Extent::Short),
+        ["robot", "--all"] => robot::run(&mut report, robot::Extent::All),
         ["size"] => size::run(&mut report, golden::Mode::Check),
         ["size", "--renew"] => size::run(&mut report, golden::Mode::Renew),
         ["golden"] => golden::run(&mut report, golden::Mode::Renew),

@@ -53,7 +53,7 @@ fn folder() -> PathBuf {
 }
 
 /// The linker that comes with the compiler in use; Debian's compiler comes without.
-fn rust_lld() -> Option<PathBuf> {
+pub(crate) fn rust_lld() -> Option<PathBuf> {
     let output = program("rustc").args(["--print", "target-libdir"]).output().ok()?;
     let libdir = String::from_utf8_lossy(&output.stdout).trim().to_owned();
     let linker = Path::new(&libdir).parent()?.join("bin/rust-lld");
