@@ -105,6 +105,7 @@ struct Expected {
     repeated: u32,
     frames: u32,
     failed: u32,
+    losses: u32,
 }
 
 impl Expected {
@@ -169,14 +170,16 @@ fn main() -> anyhow::Result<()> {
     let settled = &stacks[stacks.len().min(SCENES) - 1..];
     ensure!(settled.iter().all(|stack| *stack == settled[0]), "the stack grows: {stacks:?}");
     ensure!(memory.iter().all(|bytes| *bytes == info.memory.get()), "the memory grows: {memory:?}");
-    let Expected { accepted, rejects, corrupted, repeated, failed, .. } = expected;
-    println!("{frames} whole frames, {failed} without a packet, {corrupted} packets corrupted, {repeated} repeated");
+    let Expected { accepted, rejects, corrupted, repeated, losses, .. } = expected;
+    println!(
+        "{frames} whole frames, {losses} without one of their packets, {corrupted} packets corrupted, {repeated} repeated"
+    );
     println!("accepted {accepted}, as sent; rejected {rejects} ({})", told(counts));
     println!(
         "every whole frame answered with this machine's bits ({detections} detections in {SCENES} different frames)"
     );
     println!(
-        "static memory {} bytes, stack {} bytes from the first frame on, {} at the end",
+        "static memory {} bytes, stack {} bytes behind the first frame, {} behind the last",
         info.memory, stacks[0], settled[0]
     );
     println!("{:.2} s a frame", start.elapsed().as_secs_f64() / f64::from(frames));
@@ -203,6 +206,7 @@ fn lose(
     packets.remove(lost);
     line.writer.write_all(&packets.concat())?;
     expected.accepted += packets.len() as u32;
+    expected.losses += 1;
     // A frame whose beginning was lost never began.
     expected.failed += u32::from(lost != 0);
     let this = *number;

@@ -34,7 +34,7 @@ pub(crate) fn run(report: &mut Report) {
     nofloat::run(report);
     nopanic::run(report);
     capi::run(report, golden::Mode::Check);
-    robot::run(report, robot::Extent::Short);
+    robot::run(report, robot::Extent::All);
     size::run(report, golden::Mode::Check);
     golden::run(report, golden::Mode::Check);
     conformance::suite(report, conformance::Document::Check);
