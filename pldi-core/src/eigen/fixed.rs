@@ -22,7 +22,10 @@ pub type Symmetric3 = [i64; 6];
 /// smaller eigenvalues. A matrix that is not positive semi-definite has some direction or none.
 pub fn least_direction(c: &Symmetric3) -> Option<[i32; 3]> {
     const MOST: i64 = 1 << 60;
-    let c = c.map(|v| v.clamp(-MOST, MOST));
+    let mut c = *c;
+    if c.iter().fold(0, |all, v| all | v.unsigned_abs()) >= MOST as u64 {
+        c = c.map(|v| v.clamp(-MOST, MOST));
+    }
     let trace = c[0] + c[3] + c[5];
     // No entry of a semi-definite matrix exceeds the trace; this bounds everything below.
     if trace <= 0 || c.iter().any(|v| v.abs() > trace) {
@@ -194,7 +197,7 @@ mod tests {
             let scale = (1u64 << 50) as f64;
             let (c, axis) = matrix([thin * middle * scale, middle * scale, scale], q);
             let n = least_normal(&c).unwrap();
-            prop_assert!(sine(n, axis) < 2e-8 / middle + 1e-7, "{n:?} {axis:?} {}", sine(n, axis));
+            prop_assert!(sine(n, axis) < 3e-8 / middle + 1e-7, "{n:?} {axis:?} {}", sine(n, axis));
         }
 
         #[test]

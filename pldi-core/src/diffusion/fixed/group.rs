@@ -111,6 +111,7 @@ fn factor(slope: i32, by: i32) -> i32 {
 
 impl<'a, const W: usize, const H: usize> Group<'a, W, H> {
     /// Centres at depths of `z` (0 = none) in the columns `u..u + LANES` of row `v`; `None` where there is none at all.
+    #[inline(always)]
     pub fn new(normals: &Normals<'a, W, H>, z: [u16; LANES], u: usize, v: usize) -> Option<Self> {
         let Normals { depth, rays, radius, .. } = *normals;
         let y = *rays.y().get(v)?;

@@ -54,32 +54,49 @@ impl<'a, const W: usize, const H: usize> Normals<'a, W, H> {
         let mut directions = [None; LANES];
         let mut left = z;
         // Each round takes the nearest centres that are left, one at least.
-        while let Some(nearest) = left.iter().copied().filter(|z| *z > 0).min() {
-            let most = i32::from(nearest) + self.spread;
-            let group = left.map(|z| if i32::from(z) <= most { z } else { 0 });
-            let found = self.group(group, u, v, scratch);
-            for (((out, left), taken), direction) in directions.iter_mut().zip(&mut left).zip(group).zip(found) {
-                if taken > 0 {
-                    (*out, *left) = (direction, 0);
+        loop {
+            let mut nearest = u16::MAX;
+            for z in left {
+                // 0 becomes the largest there is.
+                nearest = nearest.min(z.wrapping_sub(1));
+            }
+            if nearest == u16::MAX {
+                break;
+            }
+            let most = i32::from(nearest) + 1 + self.spread;
+            let mut group = [0; LANES];
+            for (taken, left) in group.iter_mut().zip(&mut left) {
+                if i32::from(*left) <= most {
+                    (*taken, *left) = (*left, 0);
                 }
             }
+            self.group(group, u, v, scratch, &mut directions);
         }
         directions
     }
 
-    /// The directions of centres whose depths differ little.
-    fn group(&self, z: [u16; LANES], u: usize, v: usize, scratch: &mut Scratch) -> [Option<[i32; 3]>; LANES] {
-        let mut directions = [None; LANES];
-        let Some(group) = Group::new(self, z, u, v) else { return directions };
+    /// The directions of centres whose depths differ little (0 = none).
+    fn group(
+        &self,
+        z: [u16; LANES],
+        u: usize,
+        v: usize,
+        scratch: &mut Scratch,
+        directions: &mut [Option<[i32; 3]>; LANES],
+    ) {
+        let Some(group) = Group::new(self, z, u, v) else { return };
         let sums = group.sums(scratch);
         for (i, direction) in directions.iter_mut().enumerate() {
+            let z = z.get(i).copied().unwrap_or(0);
+            if z == 0 {
+                continue;
+            }
             let moments = sums.lane(i);
             // No more than a line of pixels has.
             let few = moments.n >= 3 && moments.n <= group.side;
-            let covariance = if few { self.exact(z[i], u + i, v, &group.window) } else { moments.covariance() };
+            let covariance = if few { self.exact(z, u + i, v, &group.window) } else { moments.covariance() };
             *direction = covariance.as_ref().and_then(eigen::least_direction);
         }
-        directions
     }
 
     /// n^2 times the covariance in 1/2048 mm, of few neighbours: pixels on a line lie in a plane with their rays, and the less

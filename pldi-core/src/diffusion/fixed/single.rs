@@ -40,10 +40,22 @@ impl Default for Scratch {
 }
 
 /// The sums over the neighbours of a group's centres.
+#[inline(always)]
 pub fn sums<const W: usize, const H: usize>(group: &Group<'_, W, H>, scratch: &mut Scratch) -> Sums {
     let mut sums = Sums::default();
     let Scratch { factors, points } = scratch;
-    let lanes: [Lane; LANES] = core::array::from_fn(|i| Lane::new(&group.centres, i));
+    // The lanes that have a centre.
+    let mut lanes = [Lane { point: [0; 3], limit: -1, depth: 0, lane: 0 }; LANES];
+    let mut taken = 0;
+    for i in 0..LANES {
+        if group.centres.limit[i] >= 0 {
+            if let Some(lane) = lanes.get_mut(taken) {
+                *lane = Lane::new(&group.centres, i);
+                taken += 1;
+            }
+        }
+    }
+    let lanes = lanes.get(..taken).unwrap_or(&[]);
     let columns = group.window.columns;
     let offsets = 2 * columns + 1;
     let mut chunk = 0;
@@ -70,8 +82,9 @@ pub fn sums<const W: usize, const H: usize>(group: &Group<'_, W, H>, scratch: &m
             };
             project(row.depths, base + from, factors, [row.factor, group.z_factor], group.kept, points);
             let row = Slope { step: row.step, y: i32::from(row.y), shift: group.centres.shift };
-            for (i, (lane, moments)) in lanes.iter().zip(&mut sums.0).enumerate() {
-                if let (true, Some(points)) = (lane.limit >= 0, points.get(i..i + count)) {
+            for lane in lanes {
+                let i = lane.lane;
+                if let (Some(points), Some(moments)) = (points.get(i..i + count), sums.0.get_mut(i)) {
                     add(points, lane, &row, moments);
                 }
             }
@@ -82,17 +95,18 @@ pub fn sums<const W: usize, const H: usize>(group: &Group<'_, W, H>, scratch: &m
 }
 
 /// A centre.
+#[derive(Clone, Copy)]
 struct Lane {
     point: [i32; 3],
-    /// -1 where there is none.
     limit: i32,
     depth: u16,
+    lane: usize,
 }
 
 impl Lane {
     fn new(centres: &Centres, i: usize) -> Self {
         let point = centres.point.map(|c| i32::from(c[i]));
-        Self { point, limit: i32::from(centres.limit[i]), depth: centres.depth[i] }
+        Self { point, limit: i32::from(centres.limit[i]), depth: centres.depth[i], lane: i }
     }
 }
 

@@ -262,9 +262,9 @@ impl<const H: usize> Turned<'_, H> {
         cells: &mut [Cell; H],
         x: usize,
     ) {
-        turn::<u16, N, W, H>(depth, x, self.depth);
-        turn::<u16, N, W, H>(mask, x, self.mask);
-        turn::<u8, N, W, H>(codes, x, self.codes);
+        turn::<N, W, H>(depth, x, self.depth);
+        turn::<N, W, H>(mask, x, self.mask);
+        turn_codes::<N, W, H>(codes, x, self.codes);
         for ((depth, mask), codes) in self.depth.iter_mut().zip(self.mask.iter_mut()).zip(self.codes.iter()).take(N) {
             line(depth, mask, codes, weights, floor, cells);
         }
@@ -275,15 +275,35 @@ impl<const H: usize> Turned<'_, H> {
 
 /// Columns as lines.
 #[inline(never)]
-fn turn<T: Copy, const N: usize, const W: usize, const H: usize>(
-    image: &Image<T, W, H>,
+fn turn<const N: usize, const W: usize, const H: usize>(
+    image: &Image<u16, W, H>,
     x: usize,
-    lines: &mut [[T; H]; LANES],
+    lines: &mut [[u16; H]; LANES],
 ) {
     for y in 0..H {
         let Some(values) = image[y].get(x..).and_then(|row| row.first_chunk::<N>()) else { return };
         for i in 0..N {
             lines[i][y] = values[i];
+        }
+    }
+}
+
+/// Columns as lines: a word of four codes is one load.
+#[inline(never)]
+fn turn_codes<const N: usize, const W: usize, const H: usize>(
+    image: &Image<u8, W, H>,
+    x: usize,
+    lines: &mut [[u8; H]; LANES],
+) {
+    for y in 0..H {
+        let Some(values) = image[y].get(x..).and_then(|row| row.first_chunk::<N>()) else { return };
+        let mut word = [0; LANES];
+        for i in 0..N {
+            word[i] = values[i];
+        }
+        let word = u32::from_le_bytes(word);
+        for i in 0..N {
+            lines[i][y] = (word >> (8 * i)) as u8;
         }
     }
 }
