@@ -48,11 +48,11 @@ pub fn sums<const W: usize, const H: usize>(group: &Group<'_, W, H>, scratch: &m
     let mut lanes = [Lane { point: [0; 3], limit: -1, depth: 0, lane: 0 }; LANES];
     let mut taken = 0;
     for i in 0..LANES {
-        if group.centres.limit[i] >= 0 {
-            if let Some(lane) = lanes.get_mut(taken) {
-                *lane = Lane::new(&group.centres, i);
-                taken += 1;
-            }
+        if group.centres.limit[i] >= 0
+            && let Some(lane) = lanes.get_mut(taken)
+        {
+            *lane = Lane::new(&group.centres, i);
+            taken += 1;
         }
     }
     let lanes = lanes.get(..taken).unwrap_or(&[]);

@@ -298,9 +298,7 @@ fn turn_codes<const N: usize, const W: usize, const H: usize>(
     for y in 0..H {
         let Some(values) = image[y].get(x..).and_then(|row| row.first_chunk::<N>()) else { return };
         let mut word = [0; LANES];
-        for i in 0..N {
-            word[i] = values[i];
-        }
+        word.iter_mut().zip(values).for_each(|(to, from)| *to = *from);
         let word = u32::from_le_bytes(word);
         for i in 0..N {
             lines[i][y] = (word >> (8 * i)) as u8;
