@@ -56,6 +56,7 @@ pub fn sums<const W: usize, const H: usize>(group: &Group<'_, W, H>, scratch: &m
         }
     }
     let lanes = lanes.get(..taken).unwrap_or(&[]);
+    let last = lanes.last().map_or(0, |lane| lane.lane);
     let columns = group.window.columns;
     let offsets = 2 * columns + 1;
     let mut chunk = 0;
@@ -76,7 +77,7 @@ pub fn sums<const W: usize, const H: usize>(group: &Group<'_, W, H>, scratch: &m
             }
             let count = (to - from) as usize;
             let (Some(factors), Some(points)) =
-                (factors.get(from as usize..), points.get_mut(..(count + LANES - 1).min(CHUNK)))
+                (factors.get(from as usize..), points.get_mut(..(count + last).min(CHUNK)))
             else {
                 continue;
             };
