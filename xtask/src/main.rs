@@ -7,6 +7,7 @@ mod capi;
 mod ci;
 mod conformance;
 mod elf;
+mod firmware;
 mod golden;
 mod instructions;
 mod nofloat;

@@ -1,6 +1,6 @@
-//! Runs the golden frames through the pipeline: prints what was found, the digests of all stages, and what it took.
+//! Runs golden frames through the pipeline: prints what was found in each, the digests of all stages, and what it took.
 //!
-//! Arguments: the file of frames, and the step from one frame to the next.
+//! Arguments: the file of frames, and which of them: numbers from 0 on, separated by commas, or `all`.
 #![no_std]
 #![no_main]
 
@@ -65,8 +65,7 @@ fn run() -> Result<(), Failure> {
     let arguments = semihosting::experimental::env::args::<512>()?;
     let mut arguments = (&arguments).into_iter().skip(1);
     let mut argument = || arguments.next().and_then(Result::ok).ok_or(Failure::Usage);
-    let (path, step) = (argument()?, argument()?);
-    let step: usize = step.parse().map_err(|_| Failure::Usage)?;
+    let (path, wanted) = (argument()?, argument()?);
     let mut name = [0; 400];
     name.get_mut(..path.len()).ok_or(Failure::Usage)?.copy_from_slice(path.as_bytes());
     let path = core::ffi::CStr::from_bytes_until_nul(&name).map_err(|_| Failure::Usage)?;
@@ -74,30 +73,33 @@ fn run() -> Result<(), Failure> {
     let mut frames = Frames::open(path)?;
     let templates = Templates::parse(TEMPLATES).map_err(Error::from)?;
     let mut intake = Intake::take();
-    let mut stages = Stages::new();
-    let mut done = 0;
-    while let Some(header) = frames.header(done * step)? {
+    let (mut index, mut numbers) = (0, wanted.split(','));
+    loop {
+        if wanted != "all" {
+            let Some(number) = numbers.next() else { break };
+            index = number.parse().map_err(|_| Failure::Usage)?;
+        }
+        let Some(header) = frames.header(index)? else { break };
+        index += 1;
         let camera = setup::CAMERA;
         if header.camera() != [camera.fx, camera.fy, camera.cx, camera.cy] {
             return Err(Failure::Camera(header.camera()));
         }
+        let mut stages = Stages::new();
         let (pipeline, workspace) = intake.frame(&mut frames, header.variant(), &mut stages.reconstruct)?;
         println!("\n{} {NAME}", header.name());
         stages.run(pipeline, &templates, workspace)?;
-        done += 1;
+        stages.print();
     }
-    println!();
-    stages.print(done);
     println!("budget stack: {}", board::stack_used());
     Ok(())
 }
 
-/// What each stage took.
+/// What each stage took in one frame.
 struct Stages {
     reconstruct: [Stage; 2],
     recognise: Stage,
     parts: [Stage; 6],
-    candidates: usize,
 }
 
 impl Stages {
@@ -109,7 +111,6 @@ impl Stages {
             reconstruct: [Stage::new("rows"), Stage::new("filter")],
             recognise: Stage::new("recognise"),
             parts: [floor, ground, diffusion, view, descriptor, nearest],
-            candidates: 0,
         }
     }
 
@@ -130,7 +131,6 @@ impl Stages {
                 );
             }
         }
-        self.candidates += workspace.report.detections.len();
         self.one_by_one(pipeline, templates, workspace)?;
         let digests = digest::recognise(pipeline, templates, workspace)?;
         for (stage, digest) in digest::STAGES.iter().zip(digests) {
@@ -162,9 +162,7 @@ impl Stages {
         Ok(())
     }
 
-    fn print(&self, frames: usize) {
-        println!("budget frames: {frames}");
-        println!("budget candidates: {}", self.candidates);
-        self.reconstruct.iter().chain([&self.recognise]).chain(&self.parts).for_each(|stage| stage.print(frames));
+    fn print(&self) {
+        self.reconstruct.iter().chain([&self.recognise]).chain(&self.parts).for_each(Stage::print);
     }
 }
