@@ -29,12 +29,12 @@ pub(crate) fn run(report: &mut Report) {
     }
     step(report, "tests", "test --workspace --locked --no-fail-fast");
     // Tests with defmt cannot link on a host, and approx-math gives up the accuracy that they check.
-    step(report, "tests, pldi-core with nalgebra", "test -p pldi-core --locked --no-fail-fast --features nalgebra");
+    step(report, "tests, pldi-core with nalgebra", "test -p pldi-core --lib --locked --no-fail-fast --features nalgebra");
     nostd::run(report);
     nofloat::run(report);
     nopanic::run(report);
     capi::run(report, golden::Mode::Check);
-    robot::run(report, robot::Extent::All);
+    robot::run(report, robot::Extent::Short);
     size::run(report, golden::Mode::Check);
     golden::run(report, golden::Mode::Check);
     conformance::suite(report, conformance::Document::Check);
