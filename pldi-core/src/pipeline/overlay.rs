@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | `depth`, 2 bytes a pixel | depth | depth | depth |
 //! | `shared`, 4 bytes a pixel | distances u8, u8; mask u16 | labels u8; counts u16, then marks u8 and map labels u8; density u16; contour points | labels u8; N u16; view, then coefficients i32 |
-//! | `lines`, 32 bytes a column | the last rows, then four lines at once | - | - |
+//! | `lines`, 32 bytes a column | the last row, then four lines at once | - | - |
 //!
 //! The floor's search has its points where the ground map comes to lie. Nothing here is unsafe: bytes are cut into arrays by
 //! `zerocopy`, which checks sizes and alignments; the sizes are constants, so nothing is left of the checks.
@@ -168,16 +168,10 @@ impl<const W: usize, const H: usize> FixedImages<W, H> {
     pub(super) fn intake(&mut self) -> Option<Intake<'_, W, H>> {
         self.content = Content::Nothing;
         let scratch = filter_scratch(&mut self.shared)?;
-        let rest = self.lines.as_mut_bytes();
-        let (above, rest) = cut_mut::<[u16; W]>(rest)?;
-        let (here, rest) = cut_mut::<[u16; W]>(rest)?;
-        let (colours_above, rest) = cut_mut::<[[u8; 3]; W]>(rest)?;
-        let (colours_here, _) = cut_mut::<[[u8; 3]; W]>(rest)?;
         Some(Intake {
             rows: &mut self.rows,
             coloured: &mut self.coloured,
-            depths: [above, here],
-            colours: [colours_above, colours_here],
+            lines: &mut self.lines,
             scratch,
             depth: &mut self.depth,
         })

@@ -128,8 +128,9 @@ pub const BUFFERS: &[Buffer] = &[
     ),
     entry("N, u16", Stage::Views, Place::Shared, BYTES, 2 * BYTES),
     entry("view, then coefficients, i32", Stage::Views, Place::Shared, 3 * BYTES, size_of::<Plane>()),
-    entry("depth of two rows, u16", Stage::Intake, Place::Lines, 0, 2 * ROW),
-    entry("colour of two rows, 3 u8", Stage::Intake, Place::Lines, 2 * ROW, 3 * ROW),
+    entry("the last row's depth and colour, u32 u32", Stage::Intake, Place::Lines, 0, 4 * ROW),
+    entry("depth that is not in mm, u16", Stage::Intake, Place::Lines, 4 * ROW, ROW),
+    entry("colour to be converted, 3 u8", Stage::Intake, Place::Lines, 5 * ROW, ROW + ROW / 2),
     entry("four lines, widened", Stage::Filter, Place::Lines, 0, size_of::<Lines<W>>()),
     entry("clusters, contours, detections", Stage::Always, Place::Report, 0, size_of::<Report<Fixed>>()),
 ];

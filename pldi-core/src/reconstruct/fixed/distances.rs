@@ -21,11 +21,11 @@ const ROOT_OF_TWO_THIRDS: u64 = 3_506_826_111;
 #[allow(missing_copy_implementations, reason = "2.5 kB of tables")]
 pub struct DistanceTable {
     /// Codes per level of colour, Q16: at most 46.
-    per_level: u32,
+    pub(super) per_level: u32,
     /// Codes per mm, Q16: at most 47.
-    per_mm: u32,
+    pub(super) per_mm: u32,
     /// Depth differences beyond this many mm count as this many.
-    max_step: u16,
+    pub(super) max_step: u16,
     /// a^d of each iteration, Q16.
     weights: [[u16; 256]; MAX_ITERATIONS],
 }

@@ -1,7 +1,12 @@
 //! The streaming front end: rows of colour and depth as the sensor gives them, turned at once into the stored depth and the
 //! distances between neighbours. A row is not needed any more once the next one has been pushed.
 
-use super::{DistanceTable, Scratch, eighths};
+#[cfg(target_arch = "x86_64")]
+use super::arrays as form;
+#[cfg(not(target_arch = "x86_64"))]
+use super::packed as form;
+use super::recursive::Lines;
+use super::{DistanceTable, Scratch};
 use crate::{DepthRange, Error, Frame, Image};
 
 /// The depth of one row of the frame.
@@ -89,7 +94,7 @@ pub enum ColourRow<'a> {
 
 impl ColourRow<'_> {
     /// Rows, the length of the first one that has not the length that `k` rows of the frame's width ask for, and that length.
-    fn check(&self, width: usize) -> Result<usize, Error> {
+    pub(super) fn check(&self, width: usize) -> Result<usize, Error> {
         fn lengths<T>(rows: &[&[T]], width: usize, values: usize) -> Result<usize, Error> {
             let expected = rows.len() * width * values;
             match rows.iter().find(|row| row.len() != expected || row.is_empty()) {
@@ -109,16 +114,15 @@ impl ColourRow<'_> {
         }
     }
 
-    /// The row at the frame's width.
-    fn decode<const W: usize>(&self, out: &mut [[u8; 3]; W]) -> Result<(), Error> {
-        let k = self.check(W)?;
-        if let (Self::Rgb888([row]), 1) = (self, k) {
+    /// The row at the frame's width, from `k` rows of `k` times that.
+    pub(super) fn decode<const W: usize>(&self, k: usize, out: &mut [[u8; 3]; W]) {
+        if let Self::Rgb888([row]) = self {
             // The usual case: nothing to reduce.
             let out = out.as_flattened_mut();
             if out.len() == row.len() {
                 out.copy_from_slice(row);
             }
-            return Ok(());
+            return;
         }
         for (x, out) in out.iter_mut().enumerate() {
             let (mut sum, mut count) = ([0u32; 3], [0u32; 3]);
@@ -162,18 +166,19 @@ impl ColourRow<'_> {
             }
             *out = core::array::from_fn(|c| ((sum[c] + count[c] / 2) / count[c].max(1)) as u8);
         }
-        Ok(())
     }
 }
 
 /// Red, green and blue with their upper bits repeated below, so that full scale becomes 255.
-fn rgb_of_565(pixel: u16) -> [u8; 3] {
+#[inline(always)]
+pub(super) fn rgb_of_565(pixel: u16) -> [u8; 3] {
     let (r, g, b) = (pixel >> 11, pixel >> 5 & 63, pixel & 31);
     [(r << 3 | r >> 2) as u8, (g << 2 | g >> 4) as u8, (b << 3 | b >> 2) as u8]
 }
 
 /// BT.601 with limited range, in 1/256.
-fn rgb_of_yuv(y: u8, u: u8, v: u8) -> [u8; 3] {
+#[inline(always)]
+pub(super) fn rgb_of_yuv(y: u8, u: u8, v: u8) -> [u8; 3] {
     let (y, u, v) = (298 * (i32::from(y) - 16), i32::from(u) - 128, i32::from(v) - 128);
     [y + 409 * v, y - 100 * u - 208 * v, y + 516 * u].map(|c| ((c + 128) >> 8).clamp(0, 255) as u8)
 }
@@ -185,14 +190,23 @@ pub struct Intake<'a, const W: usize, const H: usize> {
     pub rows: &'a mut usize,
     /// Whether the last row had colour.
     pub coloured: &'a mut bool,
-    /// The last row's depth in mm, and this one's.
-    pub depths: [&'a mut [u16; W]; 2],
-    /// The last row's colour, and this one's.
-    pub colours: [&'a mut [[u8; 3]; W]; 2],
+    /// What is kept of the last row, and room for one that must be converted: left alone between rows.
+    pub lines: &'a mut Lines<W>,
     /// Where the distances go.
     pub scratch: Scratch<'a, W, H>,
     /// Where the depth goes, in 1/8 mm.
     pub depth: &'a mut Image<u16, W, H>,
+}
+
+/// Where a row goes.
+#[derive(Debug)]
+pub(super) struct Output<'a, const W: usize> {
+    /// Depth in 1/8 mm.
+    pub depth: &'a mut [u16; W],
+    /// Distances from the left neighbours.
+    pub horizontal: &'a mut [u8; W],
+    /// Distances from the upper neighbours.
+    pub vertical: &'a mut [u8; W],
 }
 
 impl<const W: usize, const H: usize> Intake<'_, W, H> {
@@ -214,25 +228,12 @@ impl<const W: usize, const H: usize> Intake<'_, W, H> {
         else {
             return Err(Error::OutOfRange("row of the frame (the frame is complete)"));
         };
-        let [above_depth, here_depth] = &mut self.depths;
-        let [above_colour, here_colour] = &mut self.colours;
-        decode_depth(depth, range, here_depth)?;
-        if let Some(colour) = &colour {
-            colour.decode(here_colour)?;
-        }
-        for (to, mm) in stored.iter_mut().zip(here_depth.iter()) {
-            *to = eighths(range, *mm);
-        }
-        // The first row has none above it: its distances are never read.
-        let both = colour.is_some() && *self.coloured && v > 0;
-        table.codes([here_depth, above_depth], both.then_some([&**here_colour, &**above_colour]), vertical);
-        // The row itself, shifted by one, in the place of the row above, which has served.
-        shift(here_depth, above_depth);
-        shift(here_colour, above_colour);
-        let colours = colour.is_some().then_some([&**here_colour, &**above_colour]);
-        table.codes([here_depth, above_depth], colours, horizontal);
-        **above_depth = **here_depth;
-        **above_colour = **here_colour;
+        let out = Output { depth: stored, horizontal, vertical };
+        let colour = match colour {
+            Some(colour) => Some((colour, colour.check(W)?)),
+            None => None,
+        };
+        form::row((range, table), depth, colour, (v, *self.coloured), self.lines, out)?;
         *self.coloured = colour.is_some();
         *self.rows += 1;
         Ok(())
@@ -251,25 +252,20 @@ impl<const W: usize, const H: usize> Intake<'_, W, H> {
     }
 }
 
-/// Each value's left neighbour; the first one's is itself.
-fn shift<T: Copy, const W: usize>(row: &[T; W], left: &mut [T; W]) {
-    if let ([first, rest @ ..], [.., _]) = (&mut left[..], &row[..]) {
-        *first = row[0];
-        rest.copy_from_slice(&row[..rest.len()]);
-    }
-}
-
-/// The row's depths in mm at the frame's width, 0 where there is no reading.
-fn decode_depth<const W: usize>(row: DepthRow<'_>, range: DepthRange, out: &mut [u16; W]) -> Result<(), Error> {
+/// The row's depths in mm at the frame's width, 0 where there is no reading; not tested against a range.
+///
+/// # Errors
+/// `PixelCount` for a row of another length than a multiple of the frame's.
+pub(super) fn decode_depth<const W: usize>(row: DepthRow<'_>, out: &mut [u16; W]) -> Result<(), Error> {
     let (DepthRow::Millimetres(values) | DepthRow::Raw(values, _)) = row;
     if W == 0 || values.is_empty() || !values.len().is_multiple_of(W) {
         return Err(Error::PixelCount { image: "depth row", expected: W, found: values.len() });
     }
     for (to, value) in out.iter_mut().zip(values.iter().step_by((values.len() / W).max(1))) {
-        *to = range.apply(match row {
+        *to = match row {
             DepthRow::Millimetres(_) => *value,
             DepthRow::Raw(_, model) => model.millimetres(*value),
-        });
+        };
     }
     Ok(())
 }

@@ -4,12 +4,16 @@
 //! The colours and the measured depths themselves are not kept: what the filter needs of them is how far neighbouring
 //! pixels lie apart in the transformed domain, and that is computed row by row as the rows arrive ([`intake`]).
 
+#[cfg(target_arch = "x86_64")]
+mod arrays;
 pub mod distances;
 #[cfg(target_arch = "x86_64")]
 mod four;
 pub mod intake;
 #[cfg(target_arch = "x86_64")]
 mod quad;
+#[cfg_attr(target_arch = "x86_64", allow(dead_code, reason = "the twin is in use"))]
+mod packed;
 pub mod recursive;
 #[cfg_attr(target_arch = "x86_64", allow(dead_code, reason = "of the filter itself, the twin is in use"))]
 mod single;
