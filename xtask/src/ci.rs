@@ -29,7 +29,11 @@ pub(crate) fn run(report: &mut Report) {
     }
     step(report, "tests", "test --workspace --locked --no-fail-fast");
     // Tests with defmt cannot link on a host, and approx-math gives up the accuracy that they check.
-    step(report, "tests, pldi-core with nalgebra", "test -p pldi-core --lib --locked --no-fail-fast --features nalgebra");
+    step(
+        report,
+        "tests, pldi-core with nalgebra",
+        "test -p pldi-core --lib --locked --no-fail-fast --features nalgebra",
+    );
     nostd::run(report);
     nofloat::run(report);
     nopanic::run(report);

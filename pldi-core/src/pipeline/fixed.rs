@@ -298,7 +298,10 @@ impl Arithmetic for Fixed {
         }
         let bounds = [0, 1].map(|i| usize::from(first[i])..=usize::from(last[i]));
         if let Some(Gallery { depth, labels, n, .. }) = images.gallery() {
-            let wanted = |u: usize, v: usize| candidate.get(usize::from(labels[v][u])).copied().unwrap_or(false);
+            let wanted = |u: usize, v: usize| {
+                let label = labels.get(v).and_then(|row| row.get(u)).copied().unwrap_or(0);
+                candidate.get(usize::from(label)).copied().unwrap_or(false)
+            };
             diffusion(depth, &tables.rays, params.view.radius, bounds, wanted, n);
         }
     }
