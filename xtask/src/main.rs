@@ -39,6 +39,9 @@ Tasks:
   capi --install PREFIX [--target TARGET]   builds the archive and installs it with header, CMake and pkg-config files
   robot             a device in QEMU answers frames that come over a bad line: 20 frames, 1,000 corrupted packets
   robot --all       200 frames, 10,000 corrupted packets
+  firmware          builds the images of tests/firmware, runs them in QEMU, and compares what they print with the host's
+                    digests and tests/firmware/out, and what they take with docs/firmware.md and README.md
+  firmware [--board NAME] [--all] [--overwrite] [--renew]   one board; all frames; writes tests/firmware/out; writes the tables
   size              prints the memory plan of the pipeline in integers, compares it with docs/memory.md
   size --renew      writes docs/memory.md anew
   golden            makes the committed golden data anew
@@ -70,6 +73,10 @@ fn main() -> ExitCode {
         ["instructions"] => instructions::run(&mut report),
         ["robot"] => robot::run(&mut report, robot::Extent::Short),
         ["robot", "--all"] => robot::run(&mut report, robot::Extent::All),
+        ["firmware", ref words @ ..] => match firmware::Options::parse(words) {
+            Some(options) => firmware::run(&mut report, options),
+            None => return usage(),
+        },
         ["size"] => size::run(&mut report, golden::Mode::Check),
         ["size", "--renew"] => size::run(&mut report, golden::Mode::Renew),
         ["golden"] => golden::run(&mut report, golden::Mode::Renew),
@@ -84,10 +91,13 @@ fn main() -> ExitCode {
             println!("{HELP}");
             return ExitCode::SUCCESS;
         }
-        _ => {
-            eprintln!("{HELP}");
-            return ExitCode::from(2);
-        }
+        _ => return usage(),
     }
     report.finish()
+}
+
+/// A wrong command line.
+fn usage() -> ExitCode {
+    eprintln!("{HELP}");
+    ExitCode::from(2)
 }

@@ -84,6 +84,16 @@ pub(crate) fn cargo_for(toolchain: Toolchain, line: &str, folder: &Path) -> Comm
     command
 }
 
+/// The compiler's name and version, as `rustc 1.90.0`.
+pub(crate) fn version(toolchain: Toolchain) -> Option<String> {
+    let rustc = match toolchain {
+        Toolchain::Installed => std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()),
+        Toolchain::Debian => DEBIAN_RUSTC.into(),
+    };
+    let text = printed_by(program(rustc).env_remove("LD_LIBRARY_PATH").arg("--version"))?;
+    Some(text.split_whitespace().take(2).collect::<Vec<_>>().join(" "))
+}
+
 /// What the command prints, without the white space around it; `None` if it fails.
 fn printed_by(command: &mut Command) -> Option<String> {
     let output = command.stderr(Stdio::null()).output().ok().filter(|output| output.status.success())?;
