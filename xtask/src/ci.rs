@@ -2,7 +2,7 @@
 
 use crate::process::{cargo, run as run_command};
 use crate::report::Report;
-use crate::{capi, conformance, golden, nofloat, nopanic, nostd, robot, size};
+use crate::{capi, conformance, firmware, golden, nofloat, nopanic, nostd, robot, size};
 
 /// `pldi-core`'s features. A test below keeps this list as the manifest has it.
 const CORE_FEATURES: [&str; 3] = ["defmt", "nalgebra", "approx-math"];
@@ -10,6 +10,7 @@ const CORE_FEATURES: [&str; 3] = ["defmt", "nalgebra", "approx-math"];
 /// Runs all steps, the quick ones first.
 pub(crate) fn run(report: &mut Report) {
     step(report, "format", "fmt --all -- --check");
+    step(report, "format, firmware images", "fmt --manifest-path tests/firmware/Cargo.toml -- --check");
     step(report, "clippy", "clippy --workspace --all-targets --locked -- -D warnings");
     // Not among all targets: it is no part of `cargo test`.
     step(report, "clippy, conformance suite", "clippy -p pldi-host --test conformance --locked -- -D warnings");
@@ -38,6 +39,7 @@ pub(crate) fn run(report: &mut Report) {
     nofloat::run(report);
     nopanic::run(report);
     capi::run(report, golden::Mode::Check);
+    firmware::run(report, firmware::Options::default());
     robot::run(report, robot::Extent::Short);
     size::run(report, golden::Mode::Check);
     golden::run(report, golden::Mode::Check);

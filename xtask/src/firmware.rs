@@ -12,7 +12,6 @@ mod tolerance;
 
 use std::time::Duration;
 
-#[allow(unused_imports, reason = "for other tasks that run images")]
 pub(crate) use self::board::Board;
 pub(crate) use self::build::build;
 pub(crate) use self::qemu::{command, qemu};

@@ -2,18 +2,14 @@
 //! an example of `pldi-host`.
 
 use std::path::Path;
-use std::process::{Child, Command};
+use std::process::Child;
 use std::time::{Duration, Instant};
 
-use crate::nostd;
+use crate::firmware::{self, Board};
 use crate::process::{cargo, program, run as run_command, succeeds, target_dir};
 use crate::report::{Outcome, Report};
-use crate::symbols::rust_lld;
 
-/// Cortex-M7.
-const TARGET: &str = "thumbv7em-none-eabihf";
-const EMULATOR: &str = "qemu-system-arm";
-const MACHINE: &str = "-machine mps2-an500 -cpu cortex-m7 -display none -monitor none -serial none";
+const BOARD: Board = Board::CORTEX_M7;
 
 /// Corrupted packets of each frame: with 200 frames, ten thousand.
 const CORRUPTED: u32 = 50;
@@ -33,63 +29,44 @@ pub(crate) fn run(report: &mut Report, extent: Extent) {
         Extent::Short => 20,
         Extent::All => 200,
     };
-    report.step(format!("robot loop, {frames} frames on a bad line, {TARGET}"), || {
-        if !succeeds(program(EMULATOR).arg("--version")) {
-            return Outcome::missing_tool(format!("install {EMULATOR} (Debian: qemu-system-arm)"));
-        }
-        let Some(toolchain) = nostd::toolchain(TARGET) else { return nostd::missing(TARGET) };
-        let folder = target_dir().join("robot");
-        if let Err(error) = std::fs::create_dir_all(&folder) {
-            return Outcome::Failed(format!("{}: {error}", folder.display()));
-        }
-        let mut templates = cargo("run --release --locked -p pldi-host --bin pldi -- templates convert");
-        templates.arg("pldi-host/assets/furniture.pldt").arg("-o").arg(folder.join("fixed.pldt"));
-        let line = format!(
-            "build --release --locked --manifest-path tests/firmware/Cargo.toml --target {TARGET} --bin robot --features an500"
-        );
-        let mut image = nostd::cargo_for(toolchain, &line, &target_dir().join("firmware/an500"));
-        image.env("PLDI_FIRMWARE_DATA", &folder);
-        if let Some(linker) = rust_lld() {
-            image.env(format!("CARGO_TARGET_{}_LINKER", TARGET.to_uppercase().replace('-', "_")), linker);
-        }
-        run_command(&mut templates)
-            .and_then(|| run_command(&mut cargo("build --release --locked -p pldi-host --example robot_feeder")))
-            .and_then(|| run_command(&mut image))
-            .and_then(|| talk(&folder, frames).into())
+    report.step(format!("robot loop, {frames} frames on a bad line, {}", BOARD.title), || {
+        let image = match firmware::build(BOARD, "", "robot") {
+            Ok(image) => image,
+            Err(outcome) => return outcome,
+        };
+        run_command(&mut cargo("build --release --locked -p pldi-host --example robot_feeder"))
+            .and_then(|| talk(&image, frames))
     });
 }
 
 /// Lets host and device talk until all frames are answered.
-fn talk(folder: &Path, frames: u32) -> Result<(), String> {
+fn talk(image: &Path, frames: u32) -> Outcome {
+    let folder = target_dir().join("robot");
+    if let Err(error) = std::fs::create_dir_all(&folder) {
+        return Outcome::Failed(format!("{}: {error}", folder.display()));
+    }
     let [to, from] = ["to-device", "from-device"].map(|name| folder.join(name));
     for fifo in [&to, &from] {
         let _ = std::fs::remove_file(fifo);
         if !succeeds(program("mkfifo").arg(fifo)) {
-            return Err(format!("mkfifo {} failed", fifo.display()));
+            return Outcome::Failed(format!("mkfifo {} failed", fifo.display()));
         }
     }
-    let image = target_dir().join("firmware/an500").join(TARGET).join("release/robot");
-    let mut config = String::from("enable=on,target=native,arg=robot");
-    for fifo in [&to, &from] {
-        config += &format!(",arg={}", fifo.display());
-    }
-    let mut device = program(EMULATOR);
-    device.args(MACHINE.split_whitespace()).arg("-semihosting-config").arg(config).arg("-kernel").arg(image);
+    let mut device = match firmware::command(BOARD, image, &[&to.to_string_lossy(), &from.to_string_lossy()]) {
+        Ok(device) => device,
+        Err(outcome) => return outcome,
+    };
     let mut host = program(target_dir().join("release/examples/robot_feeder"));
     host.args([frames.to_string(), CORRUPTED.to_string()]).args([&to, &from]);
-    let mut device = spawn(&mut device)?;
+    let mut device = match device.spawn() {
+        Ok(device) => device,
+        Err(error) => return Outcome::Failed(format!("{}: {error}", BOARD.qemu)),
+    };
     let said = run_command(&mut host);
     // It ends by itself when the line is closed; where the host failed before it opened the line, it never does.
     let ended = wait(&mut device, Duration::from_secs(20));
     let _ = device.kill();
-    match said {
-        Outcome::Passed => ended,
-        Outcome::Failed(why) | Outcome::Skipped(why) => Err(why),
-    }
-}
-
-fn spawn(command: &mut Command) -> Result<Child, String> {
-    command.spawn().map_err(|error| format!("{}: {error}", command.get_program().to_string_lossy()))
+    said.and_then(|| ended.into())
 }
 
 /// Waits for a process to end well.

@@ -60,6 +60,9 @@ pub(crate) const BOARDS: [Board; 5] = [
 ];
 
 impl Board {
+    /// The one that firm limits are set for.
+    pub(crate) const CORTEX_M7: Self = BOARDS[0];
+
     /// The board of that name.
     pub(crate) fn of(name: &str) -> Option<Self> {
         BOARDS.into_iter().find(|board| board.name == name)

@@ -138,6 +138,7 @@ mod tests {
         assert!(frames(&old, &part).is_empty());
         part.frames[0].lines[0].push('x');
         assert!(frames(&old, &part)[0].contains("is now"));
+        part.frames[0].lines[0].pop();
         part.frames[0].lines.pop();
         assert!(frames(&old, &part)[0].contains("lost"));
         part.frames[0].name.push('x');

@@ -19,7 +19,7 @@ pub(crate) fn command(board: Board, image: &Path, arguments: &[&str]) -> Result<
     let mut words = board.qemu.split_whitespace();
     let name = words.next().unwrap_or_default();
     if !succeeds(program(name).arg("--version")) {
-        let package = if name.ends_with("arm") { "qemu-system-arm" } else { "qemu-system-misc" };
+        let package = if name.ends_with("arm") { "qemu-system-arm" } else { "qemu-system-misc or qemu-system-riscv" };
         return Err(Outcome::missing_tool(format!("{name} is not there; it is in Debian's package {package}")));
     }
     let mut semihosting = String::from("enable=on,target=native,arg=firmware");
