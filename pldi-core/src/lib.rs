@@ -2,6 +2,9 @@
 #![deny(unsafe_code)]
 #![doc = include_str!("../README.md")]
 
+#[macro_use]
+mod log;
+
 mod array;
 mod crc;
 mod eigen;
@@ -23,6 +26,9 @@ pub mod templates;
 pub mod matching;
 pub mod pipeline;
 pub mod serial;
+
+#[cfg(feature = "defmt")]
+mod format;
 
 pub use error::{Error, TemplateError};
 pub use floor::{Floor, FloorAxes};

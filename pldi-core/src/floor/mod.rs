@@ -76,6 +76,7 @@ impl Floor {
 
 /// Floor coordinates: x to the right, y forward (the principal direction along the floor), origin below the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FloorAxes {
     /// Unit vector to the right along the floor, in the camera frame.
     pub right: [f32; 3],

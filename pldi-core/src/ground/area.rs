@@ -36,6 +36,7 @@ impl AreaParams {
 
 /// The area for a camera and a floor: forward distances `near..=far`, and right/forward slopes.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SensoryArea {
     near: f32,
     far: f32,

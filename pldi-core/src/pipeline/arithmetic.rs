@@ -2,6 +2,7 @@
 
 use super::digest::Bits;
 use super::{Hypotheses, Report, Settings};
+use crate::log::Loggable;
 use crate::templates::Templates;
 use crate::{Error, Frame};
 use core::fmt::Debug;
@@ -12,21 +13,21 @@ use core::fmt::Debug;
 /// written once, for both.
 pub trait Arithmetic: Copy + Debug + PartialEq + sealed::Sealed {
     /// The parameters of all stages.
-    type Params: Copy + Debug + PartialEq;
+    type Params: Copy + Debug + Loggable + PartialEq;
     /// The camera.
-    type Intrinsics: Copy + Debug + PartialEq;
+    type Intrinsics: Copy + Debug + Loggable + PartialEq;
     /// What is computed once for a camera and a set of parameters.
     type Tables<const W: usize, const H: usize>: Clone + Debug;
     /// The images between the stages.
     type Images<const W: usize, const H: usize>: Clone + Debug;
     /// The floor plane.
-    type Floor: Bits + Copy + Debug + PartialEq;
+    type Floor: Bits + Copy + Debug + Loggable + PartialEq;
     /// A length or a coordinate.
-    type Length: Bits + Copy + Debug + PartialEq;
+    type Length: Bits + Copy + Debug + Loggable + PartialEq;
     /// The 58 numbers.
-    type Descriptor: Bits + Copy + Debug + PartialEq;
+    type Descriptor: Bits + Copy + Debug + Loggable + PartialEq;
     /// A distance between descriptors, or a score.
-    type Distance: Bits + Copy + Debug + PartialEq;
+    type Distance: Bits + Copy + Debug + Loggable + PartialEq;
 
     /// Checks the parameters and fills the tables.
     ///

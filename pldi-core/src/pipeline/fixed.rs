@@ -3,7 +3,7 @@
 use super::arithmetic::{Arithmetic, sealed::Sealed};
 use super::digest::Bits;
 use super::overlay::{Clearing, FixedImages, Gallery};
-use super::{Hypotheses, Params, Pipeline, Report, Settings, Workspace};
+use super::{Hypotheses, Params, Pipeline, Report, Settings, Workspace, events};
 use crate::descriptor::fixed::{self as descriptor, Descriptor};
 use crate::diffusion::fixed::diffusion;
 use crate::floor::fixed::{Floor, FloorMode, ransac};
@@ -17,6 +17,7 @@ use crate::{DepthRange, Error, Frame, matching};
 
 /// Integers alone: for microcontrollers without an FPU, in half a megabyte, and wherever bits must not differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Fixed;
 
 /// All parameters in integers, in the order of the stages.
@@ -135,10 +136,10 @@ impl<const W: usize, const H: usize> Pipeline<Fixed, W, H> {
         colour: Option<ColourRow<'_>>,
         workspace: &mut Workspace<Fixed, W, H>,
     ) -> Result<(), Error> {
-        match workspace.images.intake() {
+        events::error(match workspace.images.intake() {
             Some(mut intake) => intake.push(self.params.range, &self.tables.distances, depth, colour),
             None => Err(Error::Capacity("rows")),
-        }
+        })
     }
 
     /// First stage for a frame that was pushed: the same bits as [`Pipeline::reconstruct`] gives for a whole frame.
@@ -149,9 +150,10 @@ impl<const W: usize, const H: usize> Pipeline<Fixed, W, H> {
     pub fn finish(&self, workspace: &mut Workspace<Fixed, W, H>) -> Result<(), Error> {
         let rows = workspace.images.rows();
         if rows != H {
-            return Err(Error::PixelCount { image: "pushed", expected: W * H, found: W * rows });
+            return events::error(Err(Error::PixelCount { image: "pushed", expected: W * H, found: W * rows }));
         }
         self.filter(&mut workspace.images);
+        events::reconstructed::<W, H>();
         Ok(())
     }
 

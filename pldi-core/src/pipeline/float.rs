@@ -19,6 +19,7 @@ use heapless::Vec;
 
 /// Single precision: for hosts, and for microcontrollers with an FPU and megabytes of memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Float;
 
 /// What is computed once for a camera and a set of parameters.

@@ -5,6 +5,7 @@
 
 mod arithmetic;
 pub mod digest;
+mod events;
 mod fixed;
 mod float;
 pub mod mix;
@@ -86,7 +87,7 @@ impl<A: Arithmetic, const W: usize, const H: usize> Pipeline<A, W, H> {
         templates: &Templates<'_>,
         workspace: &mut Workspace<A, W, H>,
     ) -> Result<(), Error> {
-        A::require(&self.params, templates)?;
+        events::error(A::require(&self.params, templates))?;
         self.reconstruct(frame, workspace);
         self.recognise(templates, workspace)
     }
@@ -96,7 +97,7 @@ impl<A: Arithmetic, const W: usize, const H: usize> Pipeline<A, W, H> {
     /// # Errors
     /// As [`Pipeline::run`].
     pub fn recognise(&self, templates: &Templates<'_>, workspace: &mut Workspace<A, W, H>) -> Result<(), Error> {
-        A::require(&self.params, templates)?;
+        events::error(A::require(&self.params, templates))?;
         workspace.report.clear();
         let Some(floor) = self.find_floor(workspace) else { return Ok(()) };
         self.find_candidates(&floor, workspace)?;
@@ -113,16 +114,21 @@ impl<A: Arithmetic, const W: usize, const H: usize> Pipeline<A, W, H> {
         templates: &Templates<'_>,
         workspace: &mut Workspace<A, W, H>,
     ) -> Result<(), Error> {
-        A::require(&self.params, templates)?;
+        events::error(A::require(&self.params, templates))?;
         self.diffuse_candidates(workspace);
         for i in 0..workspace.report.clusters.len() {
             if workspace.report.clusters.get(i).is_none_or(|cluster| cluster.rejection.is_some()) {
                 continue;
             }
-            let Some(descriptor) = self.describe(i, floor, workspace) else { continue };
-            let hypotheses = A::nearest(templates, &descriptor)?;
+            let Some(descriptor) = self.describe(i, floor, workspace) else {
+                events::no_view(i);
+                continue;
+            };
+            let hypotheses = events::error(A::nearest(templates, &descriptor))?;
             let detection = Detection { cluster: i as u16, descriptor, hypotheses };
-            workspace.report.detections.push(detection).map_err(|_| Error::Capacity("detections"))?;
+            events::detection(&detection);
+            let pushed = workspace.report.detections.push(detection);
+            events::error(pushed.map_err(|_| Error::Capacity("detections")))?;
         }
         Ok(())
     }
@@ -130,11 +136,13 @@ impl<A: Arithmetic, const W: usize, const H: usize> Pipeline<A, W, H> {
     /// First stage: the reconstructed depth.
     pub fn reconstruct(&self, frame: &Frame<'_, W, H>, workspace: &mut Workspace<A, W, H>) {
         A::reconstruct(self.settings(), frame, &mut workspace.images);
+        events::reconstructed::<W, H>();
     }
 
     /// Second stage: the floor (also in the report), from the pose or from the reconstructed depth.
     pub fn find_floor(&self, workspace: &mut Workspace<A, W, H>) -> Option<A::Floor> {
         workspace.report.floor = A::find_floor(self.settings(), &mut workspace.images);
+        events::floor::<A>(workspace.report.floor.as_ref());
         workspace.report.floor
     }
 
@@ -143,7 +151,9 @@ impl<A: Arithmetic, const W: usize, const H: usize> Pipeline<A, W, H> {
     /// # Errors
     /// `Capacity` where the frame has more clusters or contour points than there is room for.
     pub fn find_candidates(&self, floor: &A::Floor, workspace: &mut Workspace<A, W, H>) -> Result<(), Error> {
-        A::find_candidates(self.settings(), floor, &mut workspace.images, &mut workspace.report)
+        let found = A::find_candidates(self.settings(), floor, &mut workspace.images, &mut workspace.report);
+        events::clusters(&workspace.report);
+        events::error(found)
     }
 
     /// Fourth stage: N at the pixels of candidates, 0 elsewhere.

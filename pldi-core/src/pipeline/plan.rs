@@ -18,6 +18,7 @@ const _: () = assert!(size_of::<Workspace<Fixed>>() <= MEMORY_LIMIT, "the worksp
 
 /// A buffer of the plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Buffer {
     /// What it holds.
     pub name: &'static str,
@@ -33,6 +34,7 @@ pub struct Buffer {
 
 /// When a buffer is in use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Stage {
     /// All the time.
     Always,
@@ -70,6 +72,7 @@ impl Stage {
 
 /// A part of the workspace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Place {
     /// The depth.
     Depth,

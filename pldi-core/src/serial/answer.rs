@@ -95,6 +95,7 @@ pub struct Detections<'a> {
 
 /// What is the same in the results of all frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Origin {
     /// CRC-32 of the template file.
     pub templates_hash: u32,

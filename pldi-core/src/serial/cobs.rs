@@ -57,6 +57,7 @@ pub struct Decoder {
 
 /// What the next bytes mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step<'b> {
     /// Bytes of the packet, as they are.
     Bytes(&'b [u8]),

@@ -15,6 +15,7 @@ pub const FRONTAL_DISTANCE: f32 = 2.0;
 
 /// A 3x3 matrix, row by row, that acts on homogeneous coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Homography(pub [[f32; 3]; 3]);
 
 impl Homography {

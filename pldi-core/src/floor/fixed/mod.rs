@@ -124,6 +124,7 @@ const fn along(a: [i32; 3], p: [i32; 3]) -> i32 {
 
 /// Floor coordinates: x to the right, y forward (the principal direction along the floor), origin below the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FloorAxes {
     /// Unit vector to the right along the floor, in the camera frame, Q30.
     pub right: [i32; 3],

@@ -70,6 +70,7 @@ impl AreaParams {
 
 /// The area for a camera and a floor: forward distances in 1/128 mm, and right/forward slopes in Q16.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SensoryArea {
     pub(super) near: i32,
     pub(super) far: i32,

@@ -71,6 +71,7 @@ impl ViewParams {
 
 /// A frontal view of an object: which pixel each of its points comes from, and which square of it is the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frontal {
     /// From view coordinates to the frame's pixels.
     pub to_image: Homography,

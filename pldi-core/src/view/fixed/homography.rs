@@ -19,6 +19,7 @@ pub const FRONTAL_DISTANCE: i32 = match quantise(crate::view::homography::FRONTA
 /// A 3x3 matrix, row by row, that acts on homogeneous coordinates; any positive multiple of it is the same map. All entries
 /// are below 2^30 in absolute value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Homography(pub [[i32; 3]; 3]);
 
 impl Homography {
