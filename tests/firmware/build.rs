@@ -37,6 +37,7 @@ fn main() {
         println!("cargo::rustc-link-arg-bins=-Tmemory.x");
     }
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
+    println!("cargo::rustc-link-arg-bin=log=-Tdefmt.x");
 
     let file = if has("float") { "float.pldt" } else { "fixed.pldt" };
     let data = env::var("PLDI_FIRMWARE_DATA").unwrap_or_default();

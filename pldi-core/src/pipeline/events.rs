@@ -18,6 +18,10 @@ pub(super) fn floor<A: Arithmetic>(floor: Option<&A::Floor>) {
 
 /// The third stage is done.
 pub(super) fn clusters<A: Arithmetic>(report: &Report<A>) {
+    // Without the feature, nothing is left that the compiler would weigh when it decides what to inline.
+    if !cfg!(feature = "defmt") {
+        return;
+    }
     let candidates = || report.clusters.iter().filter(|cluster| cluster.rejection.is_none()).count();
     event!(debug, "{} clusters, {} of them candidates", report.clusters.len(), candidates());
     for (i, cluster) in report.clusters.iter().enumerate() {
@@ -46,7 +50,9 @@ pub(super) fn no_view(cluster: usize) {
 
 /// Logs the error, if it is one.
 pub(super) fn error<T>(result: Result<T, Error>) -> Result<T, Error> {
-    if let Err(error) = &result {
+    if cfg!(feature = "defmt")
+        && let Err(error) = &result
+    {
         event!(error, "{}", error);
     }
     result
