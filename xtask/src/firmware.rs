@@ -5,6 +5,7 @@ mod budget;
 mod build;
 mod compare;
 mod data;
+mod log;
 mod output;
 mod page;
 mod qemu;
@@ -125,6 +126,7 @@ pub(crate) fn run(report: &mut Report, options: Options) {
     }
     if options.board.is_none() {
         report.step("firmware: budgets", || page::step(&measured, options.renew));
+        log::run(report, options.overwrite);
     }
 }
 

@@ -27,7 +27,8 @@ pub(crate) fn build(board: Board, features: &str, bin: &str) -> Result<PathBuf, 
     // cargo gives its files, so that two boards of one target leave each other's alone.
     let folder = target_dir().join("firmware");
     let mut command = nostd::cargo_for(toolchain, line, &folder);
-    command.env("PLDI_FIRMWARE_DATA", data);
+    // Without it, the image `log` would hold no events but errors.
+    command.env("PLDI_FIRMWARE_DATA", data).env("DEFMT_LOG", "trace");
     let variable = format!("CARGO_TARGET_{}", board.target.to_uppercase().replace(['-', '.'], "_"));
     if !board.cpu.is_empty() {
         command.env(format!("{variable}_RUSTFLAGS"), format!("-Ctarget-cpu={}", board.cpu));

@@ -42,6 +42,14 @@ pub(crate) fn qemu(board: Board, image: &Path, arguments: &[&str], limit: Durati
 }
 
 fn output(command: &mut Command, limit: Duration) -> Result<String, String> {
+    bytes(command, limit).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// Runs a command and returns what it prints; ends it when `limit` is over.
+///
+/// # Errors
+/// How it ended, if not well, and what it said last.
+pub(crate) fn bytes(command: &mut Command, limit: Duration) -> Result<Vec<u8>, String> {
     let shown = shown(command);
     println!("$ {shown}");
     let failed = |error: std::io::Error| format!("`{shown}`: {error}");
@@ -51,7 +59,7 @@ fn output(command: &mut Command, limit: Duration) -> Result<String, String> {
         thread::spawn(move || {
             let mut bytes = Vec::new();
             let _ = stdout.read_to_end(&mut bytes);
-            String::from_utf8_lossy(&bytes).into_owned()
+            bytes
         })
     });
     let start = Instant::now();
@@ -67,12 +75,14 @@ fn output(command: &mut Command, limit: Duration) -> Result<String, String> {
             None => thread::sleep(Duration::from_millis(20)),
         }
     };
-    let text = reader.and_then(|reader| reader.join().ok()).unwrap_or_default();
-    ended.map(|()| text.clone()).map_err(|why| {
+    let bytes = reader.and_then(|reader| reader.join().ok()).unwrap_or_default();
+    ended.map_err(|why| {
+        let text = String::from_utf8_lossy(&bytes);
         let lines: Vec<&str> = text.lines().collect();
         let last = lines[lines.len().saturating_sub(5)..].join("\n  ");
         format!("`{shown}`: {why}; it said last:\n  {last}")
-    })
+    })?;
+    Ok(bytes)
 }
 
 #[cfg(test)]
