@@ -22,7 +22,7 @@ pub(super) struct Point {
 /// Four points: x, y, z and tolerance of each.
 pub(super) type Four = [[i16; 8]; 2];
 
-/// Points of the scene. The i-th is in the (i mod [`FOURS`])-th four: every four is a coarse sample of the block.
+/// Points of the scene. The i-th is in the (i mod `FOURS`)-th four: every four is a coarse sample of the block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, FromBytes, IntoBytes, KnownLayout, Immutable)]
 #[repr(C)]
 pub struct Points {
