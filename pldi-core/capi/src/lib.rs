@@ -17,6 +17,7 @@ mod border;
 mod status;
 mod pipeline;
 mod params;
+mod checked;
 mod templates;
 mod frame;
 mod results;

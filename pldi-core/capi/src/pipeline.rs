@@ -1,6 +1,7 @@
 //! The two objects of a pipeline: what is computed once, and the memory of a frame.
 
 use crate::border;
+use crate::checked;
 use crate::params::{self, pldi_params};
 use crate::status::Checked;
 use crate::status::pldi_status::{self, *};
@@ -131,7 +132,7 @@ pub unsafe extern "C" fn pldi_pipeline_init(
         // SAFETY: what the header asks for.
         let params = unsafe { border::shared(params)? };
         border::apart(place, params, 1)?;
-        let (params, camera, disparity) = params::checked(params)?;
+        let (params, camera, disparity) = checked::checked(params)?;
         // The default one first, then its tables in place: made on the stack, they would take more than there is.
         // SAFETY: `place` found the memory large and aligned enough; it may be written to, as the header asks, and the default one
         // is not in it, because that is constant. Then it holds a pipeline, that nobody else uses.

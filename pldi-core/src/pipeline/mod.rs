@@ -7,6 +7,7 @@ mod arithmetic;
 pub mod digest;
 mod events;
 mod fixed;
+mod fixed_params;
 mod float;
 pub mod mix;
 mod overlay;
@@ -16,7 +17,8 @@ mod report;
 mod workspace;
 
 pub use arithmetic::Arithmetic;
-pub use fixed::{Fixed, FixedParams, FixedTables};
+pub use fixed::{Fixed, FixedTables};
+pub use fixed_params::FixedParams;
 pub use float::{Float, FloatImages, FloatTables};
 pub use overlay::{FixedImages, Ground, Views};
 pub use params::Params;

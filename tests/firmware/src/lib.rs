@@ -3,6 +3,7 @@
 
 pub mod board;
 pub mod clock;
+pub mod failure;
 pub mod frames;
 pub mod setup;
 

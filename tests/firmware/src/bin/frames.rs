@@ -5,13 +5,13 @@
 #![no_main]
 
 use firmware::clock::{Stage, calibrate};
+use firmware::failure::{Failure, end};
 use firmware::frames::Frames;
 use firmware::{TEMPLATES, board, setup};
 use pldi_core::Error;
 use pldi_core::pipeline::{Arithmetic, Pipeline, Workspace, digest};
 use pldi_core::templates::Templates;
-use semihosting::process::ExitCode;
-use semihosting::{io, println};
+use semihosting::println;
 
 #[cfg(feature = "float")]
 #[path = "frames/float.rs"]
@@ -21,42 +21,10 @@ mod arithmetic;
 mod arithmetic;
 use arithmetic::{Intake, NAME};
 
-/// What can go wrong.
-#[derive(Debug)]
-#[allow(dead_code, reason = "what is in them is printed")]
-enum Failure {
-    /// The host's files.
-    Host(io::Error),
-    /// The pipeline's.
-    Core(Error),
-    /// The frames were made for another camera.
-    Camera([f32; 4]),
-    /// The command line.
-    Usage,
-}
-
-impl From<io::Error> for Failure {
-    fn from(error: io::Error) -> Self {
-        Self::Host(error)
-    }
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        Self::Core(error)
-    }
-}
-
 #[firmware::board::entry]
 fn main() -> ! {
     board::start();
-    match run() {
-        Ok(()) => ExitCode::SUCCESS.exit_process(),
-        Err(failure) => {
-            println!("failed: {failure:?}");
-            ExitCode::FAILURE.exit_process()
-        }
-    }
+    end(run())
 }
 
 fn run() -> Result<(), Failure> {

@@ -8,13 +8,13 @@ use core::ffi::CStr;
 
 use cortex_m as _;
 use defmt_semihosting as _;
+use firmware::failure::Failure;
 use firmware::frames::{Frames, H, W};
 use firmware::{TEMPLATES, board, setup};
 use pldi_core::Error;
 use pldi_core::pipeline::QvgaFixedWorkspace;
 use pldi_core::reconstruct::fixed::{ColourRow, DepthRow};
 use pldi_core::templates::Templates;
-use semihosting::io;
 use semihosting::process::ExitCode;
 use static_cell::ConstStaticCell;
 
@@ -22,37 +22,15 @@ static WORKSPACE: ConstStaticCell<QvgaFixedWorkspace> = ConstStaticCell::new(Qvg
 
 defmt::timestamp!("{=u64}", board::instructions());
 
-/// What can go wrong.
-enum Failure {
-    /// The host's files.
-    Host,
-    /// The pipeline, which has logged it, or its templates.
-    Core(Error),
-    /// The command line.
-    Usage,
-}
-
-impl From<io::Error> for Failure {
-    fn from(_: io::Error) -> Self {
-        Self::Host
-    }
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        Self::Core(error)
-    }
-}
-
 #[firmware::board::entry]
 fn main() -> ! {
     board::start();
     // Nothing is printed: text would lie between the stream's frames.
     match run() {
         Ok(()) => ExitCode::SUCCESS.exit_process(),
-        Err(Failure::Host) => defmt::error!("the file of frames cannot be read"),
         Err(Failure::Core(error)) => defmt::error!("failed: {}", error),
         Err(Failure::Usage) => defmt::error!("usage: the file of frames"),
+        Err(_) => defmt::error!("the file of frames cannot be read"),
     }
     ExitCode::FAILURE.exit_process()
 }
@@ -63,7 +41,7 @@ fn run() -> Result<(), Failure> {
     let mut name = [0; 400];
     name.get_mut(..path.len()).ok_or(Failure::Usage)?.copy_from_slice(path.as_bytes());
     let mut frames = Frames::open(CStr::from_bytes_until_nul(&name).map_err(|_| Failure::Usage)?)?;
-    let header = frames.header(0)?.ok_or(Failure::Host)?;
+    let header = frames.header(0)?.ok_or(Failure::Cut)?;
 
     let templates = Templates::parse(TEMPLATES).map_err(Error::from)?;
     let pipeline = setup::FIXED.get(header.variant()).ok_or(Failure::Usage)?;

@@ -7,6 +7,7 @@
 
 use core::ffi::CStr;
 
+use firmware::failure::{Failure, end};
 use firmware::{TEMPLATES, board, setup};
 use pldi_core::Error;
 use pldi_core::pipeline::QvgaFixedWorkspace;
@@ -14,47 +15,16 @@ use pldi_core::serial::{DEVICE_BUFFER, Decoder, Device};
 use pldi_core::templates::Templates;
 use semihosting::fs::File;
 use semihosting::io::{Read, Write};
-use semihosting::process::ExitCode;
-use semihosting::{io, println};
+use semihosting::println;
 use static_cell::ConstStaticCell;
 
 static WORKSPACE: ConstStaticCell<QvgaFixedWorkspace> = ConstStaticCell::new(QvgaFixedWorkspace::new());
 static DECODER: ConstStaticCell<Decoder<DEVICE_BUFFER>> = ConstStaticCell::new(Decoder::new());
 
-/// What can go wrong.
-#[derive(Debug)]
-#[allow(dead_code, reason = "what is in them is printed")]
-enum Failure {
-    /// The line.
-    Host(io::Error),
-    /// The pipeline and its templates.
-    Core(Error),
-    /// The command line.
-    Usage,
-}
-
-impl From<io::Error> for Failure {
-    fn from(error: io::Error) -> Self {
-        Self::Host(error)
-    }
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        Self::Core(error)
-    }
-}
-
 #[firmware::board::entry]
 fn main() -> ! {
     board::start();
-    match run() {
-        Ok(()) => ExitCode::SUCCESS.exit_process(),
-        Err(failure) => {
-            println!("failed: {failure:?}");
-            ExitCode::FAILURE.exit_process()
-        }
-    }
+    end(run())
 }
 
 fn run() -> Result<(), Failure> {

@@ -1,7 +1,7 @@
 //! Frames come in row by row, as a sensor gives them: two line buffers are all that there is of the input.
 
-use super::Failure;
 use firmware::clock::Stage;
+use firmware::failure::Failure;
 use firmware::frames::{Frames, H, W};
 use firmware::setup;
 use pldi_core::pipeline::{QvgaFixedPipeline, QvgaFixedWorkspace};

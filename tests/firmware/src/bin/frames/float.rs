@@ -1,7 +1,7 @@
 //! Frames come in whole.
 
-use super::Failure;
 use firmware::clock::Stage;
+use firmware::failure::Failure;
 use firmware::frames::{Frames, H, W};
 use firmware::setup;
 use pldi_core::Frame;
