@@ -6,11 +6,14 @@ use std::process::{Command, Stdio};
 use crate::process::{cargo, program, run as run_command, target_dir};
 use crate::report::{Outcome, Report};
 
-/// With FPU, without FPU and without 64-bit or compare-and-swap instructions, and another architecture.
-const TARGETS: [&str; 3] = ["thumbv7em-none-eabihf", "thumbv6m-none-eabi", "riscv32imac-unknown-none-elf"];
-
-/// What each target is built with: a name and cargo's options. (Nothing is linked, so defmt needs no linker script.)
-const FEATURES: [(&str, &str); 2] = [("default features", ""), ("all features", "--all-features")];
+/// What the targets are built with: a name and cargo's options. (Nothing is linked, so defmt needs no linker script.) With the
+/// default features, the images of `tests/firmware` and `tests/symbols` are built for the others.
+const BUILDS: [(&str, &str, &str); 4] = [
+    ("thumbv6m-none-eabi", "default features", ""),
+    ("thumbv6m-none-eabi", "all features", "--all-features"),
+    ("thumbv7em-none-eabihf", "all features", "--all-features"),
+    ("riscv32imac-unknown-none-elf", "all features", "--all-features"),
+];
 
 /// Debian's compiler and cargo, which can build `core` from the source in its package rust-web-src.
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
@@ -25,16 +28,14 @@ pub(crate) enum Toolchain {
     Debian,
 }
 
-/// One step for each target and set of features.
+/// One step for each build: cores with and without FPU, without 64-bit or compare-and-swap instructions, and another
+/// architecture.
 pub(crate) fn run(report: &mut Report) {
-    for target in TARGETS {
-        let toolchain = toolchain(target);
-        for (name, options) in FEATURES {
-            report.step(format!("no_std build for {target}, {name}"), || match toolchain {
-                Some(toolchain) => run_command(&mut build(toolchain, target, options)),
-                None => missing(target),
-            });
-        }
+    for (target, name, options) in BUILDS {
+        report.step(format!("no_std build for {target}, {name}"), || match toolchain(target) {
+            Some(toolchain) => run_command(&mut build(toolchain, target, options)),
+            None => missing(target),
+        });
     }
 }
 
