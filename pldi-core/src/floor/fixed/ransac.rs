@@ -1,6 +1,6 @@
 //! The search for the floor in integers, see the float twin: the same grid, the same random numbers, the same finalists' way
-//! to rest. But hypotheses are compared by a quarter of the points, and most are given up after a sixteenth: finalists are
-//! refined and compared with all points, so that little depends on how they rank before.
+//! to rest. But hypotheses are compared by a quarter of the points, and most are given up after a sixteenth: the best of them
+//! are compared by all points, and finalists again when they are refined.
 //!
 //! Points count quarters of a millimetre in 16 bits, normals Q15 in the scores: a sum of products is below 2^31 wherever the
 //! plane is near, and wraps back into range from partial sums that are not.
@@ -22,6 +22,9 @@ pub const SCRATCH: usize = MAX_POINTS.div_ceil(BLOCK);
 
 /// The fours of each block that the hypotheses are scored by, in this order: every 16th, 8th and 4th of the points.
 const ROUGH: [usize; 4] = [0, 8, 4, 12];
+
+/// So many are kept by the rough scores, to be compared by all points.
+const ROUGHLY_BEST: usize = 6;
 
 /// Farthest coordinate of a point, in 1/4 mm: 8 m.
 const FAR: i32 = 32_000;
@@ -110,26 +113,27 @@ pub fn find<const W: usize, const H: usize>(
     }
     let points = Cloud { blocks: scratch.get(..found.div_ceil(BLOCK)).unwrap_or(&[]), count: found };
     let mut random = Random::new(params.seed);
-    let mut finalists: [(i32, Option<Floor>); FINALISTS] = [(0, None); FINALISTS];
+    let mut rough: [(i32, Option<Floor>); ROUGHLY_BEST] = [(0, None); ROUGHLY_BEST];
     for _ in 0..params.samples {
         let Some(floor) = sample(&points, &mut random, W.div_ceil(step)) else { continue };
         if !limits.plausible(&floor) {
             continue;
         }
-        let least = finalists.last().map_or(0, |last| last.0);
-        let Some(score) = rough_score(least, &points, &floor, &limits) else { continue };
-        let mut entry = (score, Some(floor));
-        for place in &mut finalists {
-            if entry.0 > place.0 {
-                core::mem::swap(place, &mut entry);
-            }
+        let least = rough.last().map_or(0, |last| last.0);
+        if let Some(score) = rough_score(least, &points, &floor, &limits) {
+            enter(&mut rough, score, floor);
         }
+    }
+    // With all points those may change places that are nearly as good as each other.
+    let mut finalists: [(i32, Option<Floor>); FINALISTS] = [(0, None); FINALISTS];
+    for floor in rough.iter().filter_map(|(_, floor)| *floor) {
+        enter(&mut finalists, fair_score(&points, &floor, &limits), floor);
     }
     let least = least_tolerance(points.blocks);
     let mut best: (i32, Option<Floor>) = (0, None);
     for floor in finalists.iter().filter_map(|(_, floor)| *floor) {
         let floor = refine(&points, least, floor);
-        let score = score(&points, &floor) / if limits.is_steep(&floor) { 5 } else { 1 };
+        let score = fair_score(&points, &floor, &limits);
         if limits.plausible(&floor) && score > best.0 {
             best = (score, Some(floor));
         }
@@ -138,6 +142,21 @@ pub fn find<const W: usize, const H: usize>(
     let steep = limits.is_steep(&floor?);
     let enough = i64::from(params.support) * points.count as i64;
     if i64::from(if steep { 5 * score } else { score }) << 16 >= enough { floor } else { None }
+}
+
+/// Enters a plane among the best, the first of equals before the others.
+fn enter(best: &mut [(i32, Option<Floor>)], score: i32, floor: Floor) {
+    let mut entry = (score, Some(floor));
+    for place in best {
+        if entry.0 > place.0 {
+            core::mem::swap(place, &mut entry);
+        }
+    }
+}
+
+/// The score by all points, a fifth of it for steep views.
+fn fair_score(points: &Cloud<'_>, floor: &Floor, limits: &Limits) -> i32 {
+    score(points, floor) / if limits.is_steep(floor) { 5 } else { 1 }
 }
 
 /// A plane through three points that stand near each other in the grid.
