@@ -312,7 +312,11 @@ impl Bits for Floor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::DepthRange;
     use crate::Intrinsics as FloatIntrinsics;
+    use crate::ground::fixed::{AreaParams, Limits};
+    use crate::pipeline::Params;
+    use crate::view::fixed::ViewParams;
 
     #[test]
     fn numbers_put_together_by_hand_are_checked_and_named() {
