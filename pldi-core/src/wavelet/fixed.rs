@@ -6,7 +6,7 @@
 //! that root (half as many on each further level: 256 in all); the rounded taps lengthen it by less than 2^-26 in each
 //! of 14 passes, 224 units in all. So every coefficient stays below 2^30 in absolute value.
 
-mod scalar;
+mod single;
 
 use super::{HALF, PAD, SIZE};
 
@@ -37,7 +37,7 @@ const LANES: usize = 8;
 /// In: 0..=65535 * 128. Out: below 2^30 in absolute value. Each pass rounds to nearest, halves up. Inputs beyond the
 /// range do not panic, but wrap.
 pub fn transform(plane: &mut Plane) {
-    if cfg!(target_pointer_width = "64") { side_by_side(plane) } else { scalar::transform(plane) }
+    if cfg!(target_pointer_width = "64") { side_by_side(plane) } else { single::transform(plane) }
 }
 
 /// The transform for machines that compute several columns at once.
@@ -254,10 +254,10 @@ mod tests {
             for (to, from) in float.as_flattened_mut().iter_mut().zip(plane.as_flattened()) {
                 *to = *from as f32 / (65_535.0 * 128.0);
             }
-            let mut scalar = plane.clone();
-            scalar::transform(&mut scalar);
+            let mut single = plane.clone();
+            single::transform(&mut single);
             transform(&mut plane);
-            prop_assert!(plane == scalar);
+            prop_assert!(plane == single);
             wavelet::transform(&mut float);
             prop_assert!(largest(&plane) < 1 << 30);
             for ((got, want), float) in plane.as_flattened().iter().zip(truth).zip(float.as_flattened()) {
@@ -276,10 +276,10 @@ mod tests {
                 let noise = ((x + y * SIZE) as u32 ^ seed).wrapping_mul(0x9E37_79B1) >> 8;
                 if inside == inverse || noise & 7 < sparse { 0 } else { (noise >> 8) as u16 }
             });
-            let mut scalar = plane.clone();
-            scalar::transform(&mut scalar);
+            let mut single = plane.clone();
+            single::transform(&mut single);
             side_by_side(&mut plane);
-            prop_assert!(plane == scalar);
+            prop_assert!(plane == single);
         }
 
         /// Whatever is in the plane: no panic.
@@ -287,7 +287,7 @@ mod tests {
         fn inputs_beyond_the_range_wrap(values in proptest::collection::vec(any::<i32>(), SIZE * SIZE)) {
             let rows: Vec<[i32; SIZE]> = values.chunks_exact(SIZE).map(|row| row.try_into().unwrap()).collect();
             let mut plane: Box<Plane> = rows.into_boxed_slice().try_into().unwrap();
-            scalar::transform(&mut plane.clone());
+            single::transform(&mut plane.clone());
             transform(&mut plane);
         }
     }

@@ -1,13 +1,5 @@
-//! Surface normals within a fixed radius in integers, see the float twin. Eight pixels of a row are worked on side by side.
-//!
-//! Coordinates are brought to a fine unit, 2^-s of 1/8 mm, in which the radius is 5,461 to 10,922 (41 to 82 units for one
-//! millimetre at 4 cm wide), and kept modulo 2^16: an offset from the centre is right wherever it matters, because depths far
-//! from the centres' are clamped (so z does not wrap) and s is chosen so that no x or y within the window
-//! wraps into the radius. Squares of offsets count 2^16 fine units.
-//!
-//! Moments are summed in the fine unit times 2^t, where the radius times the window's rows or columns stays below 2^14: sums
-//! over a row fit 16 bits, sums of products over the window 28 and two more for the fraction of those with y.
-//! In a row of the window y follows from z (y = y0 + slope z), so only the moments of x and z are summed per neighbour.
+//! Surface normals within a fixed radius in integers, see the float twin. Centres of a row of the image are taken by
+//! eights; those whose depths differ little form a [`Group`](super::group), with one unit and one window for all.
 
 pub use super::group::Scratch;
 use super::group::{FINE, Group, MARGIN};
