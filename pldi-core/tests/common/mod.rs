@@ -168,3 +168,16 @@ pub fn with_stack(test: impl FnOnce() + Send + 'static) {
         std::panic::resume_unwind(panic);
     }
 }
+
+/// A packet of the serial protocol.
+pub fn packet(kind: u8, sequence: u16, payload: &[u8]) -> Vec<u8> {
+    let mut out = Vec::new();
+    pldi_core::serial::packet::write(
+        &mut |bytes| out.extend_from_slice(bytes),
+        kind,
+        sequence,
+        payload.len() as u16,
+        |body| body.put(payload),
+    );
+    out
+}
