@@ -14,10 +14,11 @@ use pldi_core::pipeline::{Fixed, FixedParams, Params, QvgaFixedPipeline, QvgaFix
 use pldi_core::serial::{self, DEVICE_BUFFER, Decoder, Device, wire};
 use pldi_core::templates::{Templates, layout};
 use pldi_core::{Intrinsics, rays};
+use pldi_fixtures::rng::Rng;
 use pldi_host::input::{FrameSource, OpenOptions, QvgaFrame, Recording};
 use pldi_host::serial::{Answer, Detections, FrameOptions, Outgoing, Receiver, Sender, Traffic, frame_packets, packet};
 use pldi_host::templates::{EMBEDDED, fixed_file};
-use robot::corrupt::{Corrupter, KINDS, Random, told};
+use robot::corrupt::{Corrupter, KINDS, told};
 use robot::stream::Stream;
 use serde_json::Value;
 use zerocopy::{FromBytes, IntoBytes};
@@ -109,7 +110,7 @@ fn a_bad_line() {
     let truth: Vec<Report<Fixed>> = frames.iter().map(|frame| bench.report(frame)).collect();
     assert!(truth.iter().all(|report| !report.detections.is_empty()));
 
-    let (mut random, mut stream, mut made) = (Random(2), Stream::default(), [0; KINDS.len()]);
+    let (mut random, mut stream, mut made) = (Rng::new(2), Stream::default(), [0; KINDS.len()]);
     let mut sequence = 0u16;
     for number in 0..FRAMES {
         let options = FrameOptions { list_rejected: number % 2 == 0, ..FrameOptions::default() };
@@ -173,7 +174,7 @@ fn a_bad_line_back() {
         answers.split(|byte| *byte == 0).filter(|run| !run.is_empty()).map(|run| [&[0], run, &[0]].concat()).collect();
     let (good, _) = read_all(&answers);
     assert_eq!((packets.len(), good.len()), (8, 8));
-    let (mut corrupter, mut random) = (Corrupter::new(9, &packets), Random(3));
+    let (mut corrupter, mut random) = (Corrupter::new(9, &packets), Rng::new(3));
     for _ in 0..20 {
         let stream = Stream::new(&packets, 100, 0, &mut corrupter, &mut random);
         let (found, traffic) = read_all(&stream.bytes);

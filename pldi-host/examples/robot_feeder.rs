@@ -18,11 +18,12 @@ use pldi_core::serial::wire::Pong;
 use pldi_core::serial::{Request, StatusCode, wire};
 use pldi_core::templates::Templates;
 use pldi_core::{Frame, rays};
+use pldi_fixtures::rng::Rng;
 use pldi_host::input::reduce;
 use pldi_host::serial::{Answer, Detections, FrameOptions, Outgoing, Receiver, frame_packets, packet};
 use pldi_host::templates::{EMBEDDED, fixed_file};
 use pldi_host::trial::Trial;
-use robot::corrupt::{Corrupter, Random, told};
+use robot::corrupt::{Corrupter, told};
 use robot::stream::Stream;
 
 /// Different frames; they come again and again.
@@ -132,7 +133,7 @@ fn main() -> anyhow::Result<()> {
         bail!("no answer to the greeting")
     };
     let mut expected = Expected { accepted: 1, ..Expected::default() };
-    let (mut random, mut number, mut stacks, mut memory) = (Random(1), 0, Vec::new(), Vec::new());
+    let (mut random, mut number, mut stacks, mut memory) = (Rng::new(1), 0, Vec::new(), Vec::new());
     let mut counts = [0; 7];
     for i in 0..frames {
         let scene = &scenes[i as usize % SCENES];
@@ -196,7 +197,7 @@ fn lose(
     line: &mut Line,
     scene: &Scene,
     number: &mut u32,
-    random: &mut Random,
+    random: &mut Rng,
     expected: &mut Expected,
 ) -> anyhow::Result<Option<u32>> {
     let mut packets = frame_packets(&outgoing(scene, *number), FrameOptions::default(), line.sequence)?;

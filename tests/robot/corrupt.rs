@@ -6,29 +6,7 @@ use std::collections::HashSet;
 use pldi_core::serial::packet::write;
 use pldi_core::serial::{DEVICE_BUFFER, Reject, VERSION, cobs, kind};
 use pldi_core::templates::crc32;
-
-/// SplitMix64: the same numbers on every machine.
-#[derive(Debug, Clone)]
-pub struct Random(pub u64);
-
-impl Random {
-    /// 64 random bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// A number below `limit` (above 0).
-    pub fn below(&mut self, limit: usize) -> usize {
-        (self.bits() % limit as u64) as usize
-    }
-
-    fn byte(&mut self) -> u8 {
-        self.bits() as u8
-    }
-}
+use pldi_fixtures::rng::Rng;
 
 /// Packets between zeros, without them.
 fn runs(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
@@ -38,7 +16,7 @@ fn runs(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
 /// Makes corrupted packets out of good ones.
 #[derive(Debug, Clone)]
 pub struct Corrupter {
-    random: Random,
+    random: Rng,
     /// What must not come out: the packets that are sent as they are.
     good: HashSet<Vec<u8>>,
     /// How many of each kind were made.
@@ -65,7 +43,7 @@ impl Corrupter {
     /// From a seed; `good` are all packets that are sent as they are.
     pub fn new<'a>(seed: u64, good: impl IntoIterator<Item = &'a Vec<u8>>) -> Self {
         let good = good.into_iter().flat_map(|packet| runs(packet)).map(<[u8]>::to_vec).collect();
-        Self { random: Random(seed), good, made: [0; KINDS.len()] }
+        Self { random: Rng::new(seed), good, made: [0; KINDS.len()] }
     }
 
     /// A corrupted packet, made of a good one, with or without the zeros around it. `before` are the corrupted ones that
@@ -100,7 +78,7 @@ impl Corrupter {
             1 => {
                 let start = random.below(length);
                 let end = (start + 1 + random.below(32)).min(length);
-                bytes[start..end].fill_with(|| random.byte());
+                bytes[start..end].fill_with(|| random.bits() as u8);
             }
             2 => bytes.truncate(random.below(length)),
             3 => drop(bytes.drain(..random.below(length))),
@@ -109,7 +87,7 @@ impl Corrupter {
                 drop(bytes.drain(start..(start + 1 + random.below(200)).min(length)));
             }
             5 => {
-                let inserted: Vec<u8> = (0..=random.below(40)).map(|_| random.byte()).collect();
+                let inserted: Vec<u8> = (0..=random.below(40)).map(|_| random.bits() as u8).collect();
                 let at = random.below(length);
                 drop(bytes.splice(at..at, inserted));
             }
@@ -122,14 +100,14 @@ impl Corrupter {
                 let (from, to) = (from.min(to), from.max(to));
                 bytes[1..to].rotate_left(from - 1);
             }
-            8 => bytes = (0..=random.below(300)).map(|_| random.byte()).collect(),
+            8 => bytes = (0..=random.below(300)).map(|_| random.bits() as u8).collect(),
             9 => {
                 let mut plain = unstuffed(packet);
                 plain[random.below(length.min(60) - 4).min(9)] ^= 1 << random.below(8);
                 bytes = stuffed(&plain);
             }
             10 => {
-                let long: Vec<u8> = (0..DEVICE_BUFFER + random.below(2000)).map(|_| random.byte()).collect();
+                let long: Vec<u8> = (0..DEVICE_BUFFER + random.below(2000)).map(|_| random.bits() as u8).collect();
                 bytes = stuffed(&long);
             }
             _ => bytes = self.stranger(packet),
@@ -142,8 +120,8 @@ impl Corrupter {
         let mut plain = unstuffed(packet);
         let random = &mut self.random;
         match random.below(4) {
-            0 => plain[0] = VERSION.wrapping_add(1 + random.byte() % 255),
-            1 => plain[1] = kind::STATUS.wrapping_add(random.byte() % 100),
+            0 => plain[0] = VERSION.wrapping_add(1 + (random.bits() % 255) as u8),
+            1 => plain[1] = kind::STATUS.wrapping_add((random.bits() % 100) as u8),
             2 => plain[4] ^= 1 << random.below(8),
             _ => {
                 // A row that is not as long as the frame is wide.

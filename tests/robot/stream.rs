@@ -1,6 +1,7 @@
 //! A frame's packets with everything between them that a bad line, or a host that is not sure, puts there.
 
-use super::corrupt::{Corrupter, Random};
+use super::corrupt::Corrupter;
+use pldi_fixtures::rng::Rng;
 
 /// What was put together, and what a device must count of it.
 #[derive(Debug, Clone, Default)]
@@ -25,7 +26,7 @@ impl Stream {
         corrupted: usize,
         repeated: usize,
         corrupter: &mut Corrupter,
-        random: &mut Random,
+        random: &mut Rng,
     ) -> Self {
         let mut stream = Self::default();
         let mut share = |count: usize| -> Vec<usize> {
