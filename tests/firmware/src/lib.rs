@@ -4,6 +4,7 @@
 pub mod board;
 pub mod clock;
 pub mod failure;
+pub mod files;
 pub mod frames;
 pub mod setup;
 

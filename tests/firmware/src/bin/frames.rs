@@ -7,7 +7,7 @@
 use firmware::clock::{Stage, calibrate};
 use firmware::failure::{Failure, end};
 use firmware::frames::Frames;
-use firmware::{TEMPLATES, board, setup};
+use firmware::{TEMPLATES, board, files, setup};
 use pldi_core::Error;
 use pldi_core::pipeline::{Arithmetic, Pipeline, Workspace, digest};
 use pldi_core::templates::Templates;
@@ -34,11 +34,8 @@ fn run() -> Result<(), Failure> {
     let mut arguments = (&arguments).into_iter().skip(1);
     let mut argument = || arguments.next().and_then(Result::ok).ok_or(Failure::Usage);
     let (path, wanted) = (argument()?, argument()?);
-    let mut name = [0; 400];
-    name.get_mut(..path.len()).ok_or(Failure::Usage)?.copy_from_slice(path.as_bytes());
-    let path = core::ffi::CStr::from_bytes_until_nul(&name).map_err(|_| Failure::Usage)?;
 
-    let mut frames = Frames::open(path)?;
+    let mut frames = files::open(path, Frames::open)?;
     let templates = Templates::parse(TEMPLATES).map_err(Error::from)?;
     let mut intake = Intake::take();
     let (mut index, mut numbers) = (0, wanted.split(','));

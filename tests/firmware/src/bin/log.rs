@@ -4,13 +4,11 @@
 #![no_std]
 #![no_main]
 
-use core::ffi::CStr;
-
 use cortex_m as _;
 use defmt_semihosting as _;
 use firmware::failure::Failure;
 use firmware::frames::{Frames, H, W};
-use firmware::{TEMPLATES, board, setup};
+use firmware::{TEMPLATES, board, files, setup};
 use pldi_core::Error;
 use pldi_core::pipeline::QvgaFixedWorkspace;
 use pldi_core::reconstruct::fixed::{ColourRow, DepthRow};
@@ -38,9 +36,7 @@ fn main() -> ! {
 fn run() -> Result<(), Failure> {
     let arguments = semihosting::experimental::env::args::<512>()?;
     let path = (&arguments).into_iter().nth(1).and_then(Result::ok).ok_or(Failure::Usage)?;
-    let mut name = [0; 400];
-    name.get_mut(..path.len()).ok_or(Failure::Usage)?.copy_from_slice(path.as_bytes());
-    let mut frames = Frames::open(CStr::from_bytes_until_nul(&name).map_err(|_| Failure::Usage)?)?;
+    let mut frames = files::open(path, Frames::open)?;
     let header = frames.header(0)?.ok_or(Failure::Cut)?;
 
     let templates = Templates::parse(TEMPLATES).map_err(Error::from)?;

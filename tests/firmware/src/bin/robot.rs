@@ -5,10 +5,8 @@
 #![no_std]
 #![no_main]
 
-use core::ffi::CStr;
-
 use firmware::failure::{Failure, end};
-use firmware::{TEMPLATES, board, setup};
+use firmware::{TEMPLATES, board, files, setup};
 use pldi_core::Error;
 use pldi_core::pipeline::QvgaFixedWorkspace;
 use pldi_core::serial::{DEVICE_BUFFER, Decoder, Device};
@@ -32,7 +30,7 @@ fn run() -> Result<(), Failure> {
     let templates = Templates::parse(TEMPLATES).map_err(Error::from)?;
     let pipeline = setup::FIXED.first().ok_or(Failure::Usage)?;
     let mut device = Device::new(pipeline, templates, WORKSPACE.take(), DECODER.take())?;
-    device.telemetry().memory = memory();
+    device.telemetry().memory = board::static_memory() as u32;
     // As a line's interrupt would fill it.
     let mut bytes = [0; 512];
     loop {
@@ -62,32 +60,7 @@ fn run() -> Result<(), Failure> {
 fn line() -> Result<(File, File), Failure> {
     let arguments = semihosting::experimental::env::args::<512>()?;
     let mut arguments = (&arguments).into_iter().skip(1);
-    let mut names = [[0; 256]; 2];
-    for name in &mut names {
-        let argument = arguments.next().and_then(Result::ok).ok_or(Failure::Usage)?;
-        // The last zero stays.
-        name.get_mut(..argument.len())
-            .filter(|n| n.len() < 256)
-            .ok_or(Failure::Usage)?
-            .copy_from_slice(argument.as_bytes());
-    }
-    let [input, output] = names.each_ref().map(|name| CStr::from_bytes_until_nul(name));
-    let (input, output) = (input.map_err(|_| Failure::Usage)?, output.map_err(|_| Failure::Usage)?);
-    Ok((File::open(input)?, File::create(output)?))
-}
-
-/// Bytes of static memory.
-#[cfg(target_arch = "arm")]
-fn memory() -> u32 {
-    unsafe extern "C" {
-        static __sdata: u32;
-        static __ebss: u32;
-    }
-    // Addresses alone: initialised data and zeros lie one behind the other.
-    ((&raw const __ebss).addr() - (&raw const __sdata).addr()) as u32
-}
-
-#[cfg(not(target_arch = "arm"))]
-fn memory() -> u32 {
-    0
+    let mut argument = || arguments.next().and_then(Result::ok).ok_or(Failure::Usage);
+    let (input, output) = (argument()?, argument()?);
+    Ok((files::open(input, |name| File::open(name))?, files::open(output, |name| File::create(name))?))
 }

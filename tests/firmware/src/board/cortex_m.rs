@@ -7,7 +7,7 @@ pub use cortex_m_rt::entry;
 use super::this::{PER_TICK, TIMER};
 
 /// What cortex-m-rt paints the stack with before `main`.
-const PAINT: u32 = cortex_m_rt::STACK_PAINT_VALUE;
+pub(super) const PAINT: u32 = cortex_m_rt::STACK_PAINT_VALUE;
 
 /// Starts the clock.
 pub fn start() {
@@ -26,16 +26,11 @@ pub fn instructions() -> u64 {
     u64::from(u32::MAX - value) * u64::from(PER_TICK)
 }
 
-/// Bytes of stack that were ever used.
-pub fn stack_used() -> usize {
+/// Both ends of the stack, its end first.
+pub(super) fn stack() -> (*const u32, *const u32) {
     unsafe extern "C" {
-        static mut _stack_start: u32;
-        static mut _stack_end: u32;
+        static _stack_start: u32;
+        static _stack_end: u32;
     }
-    let (top, mut word) = (&raw const _stack_start, &raw const _stack_end);
-    // SAFETY: between the two symbols of the linker script lies the stack, all of it RAM.
-    while word < top && unsafe { read_volatile(word) } == PAINT {
-        word = word.wrapping_add(1);
-    }
-    top.addr() - word.addr()
+    (&raw const _stack_end, &raw const _stack_start)
 }

@@ -1,7 +1,7 @@
 //! QEMU's `virt` machine with a core without FPU, rv32imac.
 
 use core::arch::asm;
-use core::ptr::{read_volatile, write_volatile};
+use core::ptr::write_volatile;
 
 pub use riscv_rt::entry;
 
@@ -9,11 +9,11 @@ pub use riscv_rt::entry;
 pub const NAME: &str = "RISC-V rv32imac, virt";
 
 /// What the stack is painted with.
-const PAINT: u32 = 0xcccc_cccc;
+pub(super) const PAINT: u32 = 0xcccc_cccc;
 
 unsafe extern "C" {
     static mut __eheap: u32;
-    static mut _stack_start: u32;
+    static _stack_start: u32;
 }
 
 /// Paints the stack below the caller's.
@@ -34,12 +34,7 @@ pub fn instructions() -> u64 {
     riscv::register::minstret::read64()
 }
 
-/// Bytes of stack that were ever used.
-pub fn stack_used() -> usize {
-    let (top, mut word) = (&raw const _stack_start, (&raw const __eheap));
-    // SAFETY: as in `start`.
-    while word < top && unsafe { read_volatile(word) } == PAINT {
-        word = word.wrapping_add(1);
-    }
-    top.addr() - word.addr()
+/// Both ends of the stack, its end first.
+pub(super) fn stack() -> (*const u32, *const u32) {
+    (&raw const __eheap, &raw const _stack_start)
 }
