@@ -138,7 +138,7 @@ fn inputs_that_are_no_recordings() {
     refused(empty.path(), &[], 1, &["no frame"], 0);
     std::fs::write(empty.path().join("depth.txt"), "# nothing\n").unwrap();
     refused(empty.path(), &[], 1, &["no frame"], 0);
-    refused(&recording().join("camera_info.yaml"), &[], 1, &["camera_info.yaml", "neither a PNG nor a JPEG"], 0);
+    refused(&recording().join("camera_info.yaml"), &[], 1, &["camera_info.yaml", "no known kind of input"], 0);
     refused(recording(), &["--floor", "steep"], 2, &["--floor"], 0);
     refused(recording(), &["--depth-scale", "0"], 2, &["depth scale"], 0);
     refused(recording(), &["--colour", "x.png"], 2, &["--colour"], 0);

@@ -15,7 +15,7 @@ use pldi_core::serial::{self, DEVICE_BUFFER, Decoder, Device, wire};
 use pldi_core::templates::{Templates, layout};
 use pldi_core::{Intrinsics, rays};
 use pldi_fixtures::rng::Rng;
-use pldi_host::input::{FrameSource, OpenOptions, QvgaFrame, Recording};
+use pldi_host::input::{self, OpenOptions, QvgaFrame};
 use pldi_host::serial::{Answer, Detections, FrameOptions, Outgoing, Receiver, Sender, Traffic, frame_packets, packet};
 use pldi_host::templates::{EMBEDDED, fixed_file};
 use robot::corrupt::{Corrupter, KINDS, told};
@@ -25,8 +25,8 @@ use zerocopy::{FromBytes, IntoBytes};
 
 /// The recording's frames.
 fn frames() -> Vec<QvgaFrame> {
-    let recording = Recording::open(recording(), &OpenOptions::default()).unwrap();
-    (0..recording.len()).map(|i| recording.frame(i).unwrap()).collect()
+    let mut recording = input::open(recording().to_str().unwrap(), &OpenOptions::default()).unwrap();
+    recording.frames().map(|frame| frame.unwrap().qvga).collect()
 }
 
 fn stamp(frame: &QvgaFrame) -> u64 {

@@ -52,7 +52,7 @@ fn camera() -> Result<Intrinsics, Box<dyn Error>> {
 /// Depth, then colour, of a generated frame with several candidates.
 fn prepare(file: &str) -> Result<(), Box<dyn Error>> {
     let capture = Trial::default().recording(0).frames().nth(6).ok_or("no such frame")?.capture;
-    let (depth, colour) = reduce(&capture.depth, capture.colour, 2);
+    let (depth, colour) = reduce(&capture.depth, &capture.colour, 2);
     let mut bytes: Vec<u8> = depth.iter().flat_map(|d| d.to_le_bytes()).collect();
     bytes.extend(colour);
     Ok(std::fs::write(file, bytes)?)

@@ -55,7 +55,7 @@ fn scenes() -> anyhow::Result<Vec<Scene>> {
     let pipeline = QvgaFixedPipeline::new(&params, &camera)?;
     let mut workspace = Box::new(QvgaFixedWorkspace::new());
     let scene = |frame: pldi_fixtures::RecordedFrame| {
-        let (depth, colour) = reduce(&frame.capture.depth, frame.capture.colour, 2);
+        let (depth, colour) = reduce(&frame.capture.depth, &frame.capture.colour, 2);
         pipeline.run(&Frame::new(&depth, Some(&colour))?, &templates, &mut workspace)?;
         Ok(Scene { depth, colour, report: workspace.report.clone() })
     };

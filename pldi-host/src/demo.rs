@@ -7,10 +7,10 @@ use pldi_core::pipeline::QvgaWorkspace;
 use pldi_core::templates::Templates;
 use pldi_fixtures::{Recording as Generated, TumWriter};
 
-use crate::input::{FrameSource, Recording};
+use crate::input::{Frame, Input};
 use crate::overlay::{self, Canvas};
 use crate::report::FrameReport;
-use crate::runner::{self, Processed};
+use crate::runner::{self, Job, Processed};
 use crate::trial::{FrameTruth, Verdict, judge};
 use crate::{ArithmeticKind, Engine, Error, parallel};
 
@@ -60,25 +60,22 @@ pub fn write(folder: &Path, threads: usize, done: impl Fn() -> bool + Sync) -> R
 /// # Errors
 /// As [`runner::run`]; the first frame's that fails.
 pub fn recognise<E: From<Error>>(
-    recording: &Recording,
+    input: Input,
     truth: &[FrameTruth],
-    arithmetic: ArithmeticKind,
-    params: &Params,
-    templates: &Templates<'_>,
-    threads: usize,
+    job: &Job<'_>,
     mut sink: impl FnMut(usize, Shown) -> Result<bool, E>,
 ) -> Result<(), E> {
     let look = |seen: &Processed<'_>| {
-        let original = recording.original(seen.frame.index)?;
-        let picture = overlay::draw(seen, &original, templates).to_png()?;
-        let verdicts = match truth.get(seen.frame.index) {
-            Some(truth) => judge(truth, &seen.frame.depth, seen.engine, templates, seen.workspace),
+        let (templates, frame) = (job.templates, &seen.frame.qvga);
+        let picture = overlay::draw(seen, templates).to_png()?;
+        let verdicts = match truth.get(frame.index) {
+            Some(truth) => judge(truth, &frame.depth, seen.engine, templates, seen.workspace),
             None => Ok(Default::default()),
         };
         Ok((verdicts.map_err(Error::core)?.0, picture))
     };
-    runner::run(recording, arithmetic, params, templates, threads, look, |i, result| {
-        let runner::FrameResult { report, extra: (verdicts, picture) } = result?;
+    runner::run(input, job, look, |i, result| {
+        let runner::FrameResult { report, extra: (verdicts, picture), .. } = result?;
         sink(i, Shown { report, verdicts, picture })
     })
 }
@@ -87,27 +84,26 @@ pub fn recognise<E: From<Error>>(
 /// photographs are without their noise, which nobody misses and which makes the file large.
 ///
 /// # Errors
-/// What is wrong with the frame's files; what the core says.
+/// What the core says.
 pub fn composite(
-    recording: &Recording,
-    index: usize,
+    mut frame: Frame,
     arithmetic: ArithmeticKind,
     params: &Params,
     templates: &Templates<'_>,
 ) -> Result<Canvas, Error> {
-    let frame = recording.frame(index)?;
-    let mut engine = Engine::new(arithmetic, params, &frame.intrinsics)?;
+    let qvga = &frame.qvga;
+    let mut engine = Engine::new(arithmetic, params, &qvga.intrinsics)?;
     let mut workspace = Box::new(QvgaWorkspace::new());
-    engine.run(&frame.as_frame().map_err(Error::core)?, templates, &mut workspace)?;
-    let report = FrameReport::new(&frame, &workspace.report, &engine, templates);
+    engine.run(&qvga.as_frame().map_err(Error::core)?, templates, &mut workspace)?;
+    let report = FrameReport::new(qvga, &workspace.report, &engine, templates);
+    let images = &mut frame.images;
+    images.colour = images.colour.take().map(|rgb| calm(&rgb, images.size.0.into()));
     let seen = Processed { frame: &frame, engine: &engine, workspace: &workspace, report: &report };
-    let mut original = recording.original(index)?;
-    original.colour = original.colour.map(|rgb| calm(&rgb, original.size.0.into()));
-    let right = overlay::draw(&seen, &original, templates);
+    let right = overlay::draw(&seen, templates);
     engine.diffuse_all(&mut workspace);
     let (width, height) = right.dimensions();
     let mut canvas = Canvas::new(320 + width, height);
-    let colour = frame.colour.as_deref().map(|rgb| calm(rgb, 320)).unwrap_or_default();
+    let colour = frame.qvga.colour.as_deref().map(|rgb| calm(rgb, 320)).unwrap_or_default();
     for (i, pixel) in colour.as_chunks::<3>().0.iter().enumerate() {
         canvas.set((i % 320) as i32, (i / 320) as i32, *pixel);
     }

@@ -12,7 +12,9 @@ pub enum IntrinsicsOrigin {
     Option,
     /// Read from a `camera_info.yaml`.
     File(PathBuf),
-    /// Neither was there: the nominal structured-light camera.
+    /// Known to the source itself; says how.
+    Source(String),
+    /// None of these was there: the nominal structured-light camera.
     Default,
 }
 
@@ -21,6 +23,7 @@ impl std::fmt::Display for IntrinsicsOrigin {
         match self {
             Self::Option => f.write_str("--intrinsics"),
             Self::File(path) => write!(f, "{}", path.display()),
+            Self::Source(how) => f.write_str(how),
             Self::Default => f.write_str("the default intrinsics"),
         }
     }

@@ -13,7 +13,8 @@ pub use depth::DepthSummary;
 pub use timing::Timing;
 
 use crate::Error;
-use crate::input::{FrameSource, QvgaFrame, Recording};
+use crate::error::IntrinsicsOrigin;
+use crate::input::{DepthScale, Frame, Input, QvgaFrame, Stop};
 use depth::Histogram;
 use edges::Agreement;
 
@@ -104,19 +105,32 @@ pub struct Registration {
     pub jumps: u64,
 }
 
-/// Looks at up to `frames` frames of a recording, evenly spread. `each` is called after each of them; it ends the work by
-/// returning false.
+/// Looks at up to `frames` frames of an input, evenly spread; the first ones, where their number is not known beforehand. Of
+/// a live one no more are taken. `each` is called after each frame looked at; it ends the work by returning false, as does
+/// `stop`.
 ///
 /// # Errors
-/// `Interrupted` where `each` says so; a mistake in the call that shows in a frame; the first frame's error where no frame
-/// can be read.
-pub fn inspect(recording: &Recording, frames: usize, mut each: impl FnMut() -> bool) -> Result<Summary, Error> {
-    let stamps: Vec<f64> = recording.stamps().collect();
+/// `Interrupted` where `each` or `stop` says so; a mistake in the call that shows in a frame; the first frame's error where
+/// no frame can be read; what ends the source early.
+pub fn inspect(mut input: Input, frames: usize, stop: &Stop, mut each: impl FnMut() -> bool) -> Result<Summary, Error> {
+    let wanted = |index: usize, chosen: &Option<Vec<usize>>| match chosen {
+        Some(chosen) => chosen.binary_search(&index).is_ok(),
+        None => index < frames,
+    };
+    if input.is_live() {
+        input = input.first(frames);
+    }
+    let chosen = input.frames_left().map(|count| spread(count, frames));
+    let (mut stamps, mut looked_at) = (Vec::new(), 0);
     let mut look = Look::new();
     let mut first_error = None;
-    let chosen = spread(recording.len(), frames);
-    for &index in &chosen {
-        if let Err(error) = look.at(recording, index) {
+    while let Some((index, raw)) = input.raw(stop)? {
+        stamps.push(raw.stamp.seconds());
+        if !wanted(index, &chosen) {
+            continue;
+        }
+        looked_at += 1;
+        if let Err(error) = input.prepare(index, raw).and_then(|frame| look.at(frame)) {
             if error.is_usage() {
                 return Err(error);
             }
@@ -128,8 +142,9 @@ pub fn inspect(recording: &Recording, frames: usize, mut each: impl FnMut() -> b
         }
     }
     match first_error {
-        Some(error) if look.unreadable.len() == chosen.len() => Err(error),
-        _ => Ok(look.summary(recording, &stamps, chosen.len())),
+        _ if stop.is_raised() => Err(Error::Interrupted),
+        Some(error) if look.unreadable.len() == looked_at => Err(error),
+        _ => Ok(look.summary(&stamps, looked_at)),
     }
 }
 
@@ -147,7 +162,7 @@ struct Look {
     workspace: Box<QvgaWorkspace>,
     unreadable: Vec<Unreadable>,
     sizes: Vec<Size>,
-    intrinsics: Option<[f32; 4]>,
+    intrinsics: Option<([f32; 4], IntrinsicsOrigin)>,
     histogram: Histogram,
     /// Height in metres and pitch in degrees.
     floors: Vec<[f32; 2]>,
@@ -162,19 +177,20 @@ impl Look {
         Self { workspace, unreadable, sizes, intrinsics: None, histogram, floors, agreement: None }
     }
 
-    fn at(&mut self, recording: &Recording, index: usize) -> Result<(), Error> {
-        let frame = recording.frame(index)?;
-        let original = recording.original(index)?;
+    fn at(&mut self, frame: Frame) -> Result<(), Error> {
+        let Frame { qvga: frame, mut images, origin, .. } = frame;
+        images.depth = images.depth_mm();
+        images.scale = DepthScale::Millimetres;
         let QvgaFrame { factor, original_size: (width, height), intrinsics: k, .. } = frame;
         let size = Size { width, height, factor };
         if !self.sizes.contains(&size) {
             self.sizes.push(size);
         }
-        self.intrinsics.get_or_insert([k.fx, k.fy, k.cx, k.cy].map(|v| v * f32::from(factor)));
-        self.histogram.add(&original.depth);
+        self.intrinsics.get_or_insert_with(|| ([k.fx, k.fy, k.cx, k.cy].map(|v| v * f32::from(factor)), origin));
+        self.histogram.add(&images.depth);
         // Frames of another size than the first would need sums of their own.
-        if original.colour.is_some() && self.sizes[0] == size {
-            self.agreement.get_or_insert_with(|| Agreement::new(factor)).add(&original);
+        if images.colour.is_some() && self.sizes[0] == size {
+            self.agreement.get_or_insert_with(|| Agreement::new(factor)).add(&images);
         }
         let pipeline = QvgaPipeline::new(&Params::DEFAULT, &frame.intrinsics).map_err(Error::core)?;
         pipeline.reconstruct(&frame.as_frame().map_err(Error::core)?, &mut self.workspace);
@@ -184,15 +200,15 @@ impl Look {
         Ok(())
     }
 
-    fn summary(self, recording: &Recording, stamps: &[f64], looked_at: usize) -> Summary {
+    fn summary(self, stamps: &[f64], looked_at: usize) -> Summary {
         let of = |k: usize| {
             let mut values: Vec<f32> = self.floors.iter().map(|f| f[k]).collect();
             values.sort_by(f32::total_cmp);
             Some([*values.first()?, values[values.len() / 2], *values.last()?])
         };
-        let camera = |k| Camera { k, origin: recording.intrinsics_origin().to_string() };
+        let camera = |(k, origin): (_, IntrinsicsOrigin)| Camera { k, origin: origin.to_string() };
         Summary {
-            frames: recording.len(),
+            frames: stamps.len(),
             looked_at,
             timing: Timing::new(stamps),
             intrinsics: self.intrinsics.map(camera),

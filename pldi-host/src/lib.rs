@@ -5,8 +5,9 @@
 //! ```
 //! use pldi_core::Params;
 //! use pldi_core::templates::Templates;
-//! use pldi_host::input::{OpenOptions, Recording};
-//! use pldi_host::{ArithmeticKind, runner, templates};
+//! use pldi_host::input::{self, OpenOptions, Stop};
+//! use pldi_host::runner::{self, Job};
+//! use pldi_host::{ArithmeticKind, templates};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let folder = tempfile::tempdir()?;
@@ -16,12 +17,15 @@
 //! generated.path.truncate(2);
 //! pldi_fixtures::write_tum(&generated, "demo", folder)?;
 //!
-//! let recording = Recording::open(folder, &OpenOptions::default())?;
+//! // A folder, a bag or a device.
+//! let uri = folder.to_str().ok_or("a name in UTF-8")?;
+//! let recording = input::open(uri, &OpenOptions::default())?;
 //! let set = Templates::parse(templates::EMBEDDED)?;
 //! let params = Params { view: *set.view_params(), ..Params::DEFAULT };
 //! let mut found = 0;
-//! let arithmetic = ArithmeticKind::Float;
-//! runner::run::<_, pldi_host::Error>(&recording, arithmetic, &params, &set, 1, |_| Ok(()), |index, result| {
+//! let (arithmetic, stop) = (ArithmeticKind::Float, Stop::default());
+//! let job = Job { arithmetic, params: &params, templates: &set, threads: 1, stop: &stop };
+//! runner::run::<_, pldi_host::Error>(recording, &job, |_| Ok(()), |index, result| {
 //!     for detection in &result?.report.detections {
 //!         println!("frame {index}: {} at {:?}", detection.results[0].class_id, detection.center);
 //!         found += 1;

@@ -11,7 +11,6 @@ use pldi_core::templates::Templates;
 
 pub use canvas::Canvas;
 
-use crate::input::Original;
 use crate::report::FrameReport;
 use crate::runner::Processed;
 
@@ -41,10 +40,10 @@ fn colour_of(report: &FrameReport, cluster: usize) -> Option<Rgb888> {
     Some(COLOURS[rank % COLOURS.len()])
 }
 
-/// Draws a processed frame. `original` is the frame as it was taken; `templates` are those it was compared with.
-pub fn draw(processed: &Processed<'_>, original: &Original, templates: &Templates<'_>) -> Canvas {
+/// Draws a processed frame; `templates` are those it was compared with.
+pub fn draw(processed: &Processed<'_>, templates: &Templates<'_>) -> Canvas {
     let mut canvas = Canvas::new(SIZE.0, SIZE.1);
-    camera::draw(&mut canvas, processed, original);
+    camera::draw(&mut canvas, processed);
     floor::draw(&mut canvas, processed, templates);
     canvas
 }

@@ -1,6 +1,6 @@
 //! Work over numbered items on several threads, with the results in the items' order.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, mpsc};
 
 /// Stack of a worker: a workspace may pass over it on its way to the heap.
@@ -17,28 +17,35 @@ pub fn map_ordered<S, T: Send, E: Send>(
     work: impl Fn(&mut S, usize) -> Result<T, E> + Sync,
 ) -> Result<Vec<T>, E> {
     let mut out = Vec::with_capacity(count);
-    for_each_ordered(count, threads, state, work, |_, result| {
-        out.push(result?);
-        Ok(true)
-    })?;
+    for_each_ordered(
+        0..count,
+        threads,
+        state,
+        |state, i, _| work(state, i),
+        |_, result| {
+            out.push(result?);
+            Ok(true)
+        },
+    )?;
     Ok(out)
 }
 
-/// Computes `work(state, i)` for `i` in `0..count` on several threads and hands the results to `sink` in order, on the
-/// calling thread. The work is never more than a few items ahead of the sink, so memory stays constant. `sink` ends the
-/// work early by returning `Ok(false)`.
+/// Computes `work(state, i, item)` for the items, numbered from 0, on several threads and hands the results to `sink` in
+/// order, on the calling thread. The work is never more than a few items ahead of the sink, so memory stays constant. `sink`
+/// ends the work early by returning `Ok(false)`; an item that is being waited for is then still waited for.
 ///
 /// # Errors
 /// What `sink` returns.
-pub fn for_each_ordered<S, T: Send, E>(
-    count: usize,
+pub fn for_each_ordered<I: Send, S, T: Send, E>(
+    items: impl IntoIterator<Item = I, IntoIter: Send>,
     threads: usize,
     state: impl Fn() -> S + Sync,
-    work: impl Fn(&mut S, usize) -> T + Sync,
+    work: impl Fn(&mut S, usize, I) -> T + Sync,
     mut sink: impl FnMut(usize, T) -> Result<bool, E>,
 ) -> Result<(), E> {
-    let threads = threads.clamp(1, count.max(1));
-    let next = AtomicUsize::new(0);
+    let items = items.into_iter();
+    let threads = threads.clamp(1, items.size_hint().1.unwrap_or(usize::MAX).max(1));
+    let items = Mutex::new(items.enumerate());
     let stop = AtomicBool::new(false);
     // One token per item that may be under way or waiting.
     let (give, take) = mpsc::sync_channel::<()>(4 * threads);
@@ -49,16 +56,16 @@ pub fn for_each_ordered<S, T: Send, E>(
     std::thread::scope(|scope| {
         let (send, receive) = mpsc::channel();
         for _ in 0..threads {
-            let (send, next, stop, take, state, work) = (send.clone(), &next, &stop, &take, &state, &work);
+            let (send, items, stop, take, state, work) = (send.clone(), &items, &stop, &take, &state, &work);
             let worker = move || {
                 let mut state = state();
                 loop {
                     let token = take.lock().map_or(Err(()), |take| take.recv().map_err(|_| ()));
-                    let i = next.fetch_add(1, Ordering::Relaxed);
-                    if token.is_err() || i >= count || stop.load(Ordering::Relaxed) {
+                    if token.is_err() || stop.load(Ordering::Relaxed) {
                         return;
                     }
-                    if send.send((i, work(&mut state, i))).is_err() {
+                    let Some((i, item)) = items.lock().ok().and_then(|mut items| items.next()) else { return };
+                    if send.send((i, work(&mut state, i, item))).is_err() {
                         return;
                     }
                 }
@@ -87,9 +94,6 @@ pub fn for_each_ordered<S, T: Send, E>(
                 due += 1;
                 let _ = give.try_send(());
             }
-            if due == count {
-                break;
-            }
         }
         stop.store(true, Ordering::Relaxed);
         drop(give);
@@ -99,6 +103,8 @@ pub fn for_each_ordered<S, T: Send, E>(
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::AtomicUsize;
+
     use super::*;
 
     #[test]
@@ -134,12 +140,12 @@ mod tests {
     fn the_sink_can_end_the_work_and_bounds_how_far_ahead_it_is() {
         let (started, sunk) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let ahead = AtomicUsize::new(0);
-        let work = |(): &mut (), _: usize| {
+        let work = |(): &mut (), _: usize, _: usize| {
             let far = started.fetch_add(1, Ordering::SeqCst) + 1 - sunk.load(Ordering::SeqCst);
             ahead.fetch_max(far, Ordering::SeqCst);
         };
         for_each_ordered(
-            500,
+            0..500,
             2,
             || (),
             work,

@@ -157,7 +157,7 @@ impl Trial {
         for (i, frame) in recording.frames().enumerate() {
             let RecordedFrame { capture, truth, camera, .. } = frame;
             let seen = FrameTruth::new(truth, camera, &capture, 2);
-            let (depth, colour) = reduce(&capture.depth, capture.colour, 2);
+            let (depth, colour) = reduce(&capture.depth, &capture.colour, 2);
             let qvga = Frame::new(&depth, Some(&colour)).map_err(Error::core)?;
             engine.run(&qvga, templates, workspace)?;
             let (verdicts, strays) = judge(&seen, &depth, &engine, templates, workspace).map_err(Error::core)?;

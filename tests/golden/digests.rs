@@ -65,7 +65,7 @@ pub fn frames() -> impl Iterator<Item = Golden> {
         let recording = trial.recording(room);
         let camera = recording.sensor.intrinsics.reduced(2).unwrap();
         let capture = recording.frame(index).expect("twelve frames").capture;
-        let (depth, colour) = reduce(&capture.depth, capture.colour, 2);
+        let (depth, colour) = reduce(&capture.depth, &capture.colour, 2);
         Golden { name, variant, depth, colour: colour.to_vec(), camera }
     })
 }

@@ -111,13 +111,22 @@ fn absurd(origin: &IntrinsicsOrigin, name: &'static str, value: f64, reason: &st
 pub(super) enum Camera {
     /// The user's numbers.
     Option(IntrinsicsSpec),
-    /// Those of a file.
-    File(Intrinsics, std::path::PathBuf),
+    /// Those of a file, or that the source knows.
+    Known(Intrinsics, IntrinsicsOrigin),
     /// Nothing known: the nominal structured-light camera.
     Default,
 }
 
 impl Camera {
+    /// Where the intrinsics come from.
+    pub(super) fn origin(&self) -> IntrinsicsOrigin {
+        match self {
+            Self::Option(_) => IntrinsicsOrigin::Option,
+            Self::Known(_, origin) => origin.clone(),
+            Self::Default => IntrinsicsOrigin::Default,
+        }
+    }
+
     /// The intrinsics of `image`, which has `size`.
     pub(super) fn for_image(&self, image: &Path, size: (u16, u16)) -> Result<Intrinsics, Error> {
         let fits = |calibrated: (u16, u16), origin: IntrinsicsOrigin| {
@@ -134,8 +143,8 @@ impl Camera {
                 }
                 spec.for_size(size)
             }
-            Self::File(intrinsics, path) => {
-                fits((intrinsics.width, intrinsics.height), IntrinsicsOrigin::File(path.clone()))?;
+            Self::Known(intrinsics, origin) => {
+                fits((intrinsics.width, intrinsics.height), origin.clone())?;
                 Ok(*intrinsics)
             }
             Self::Default => Intrinsics::PRIMESENSE_QVGA

@@ -3,16 +3,19 @@
 use std::cmp::Ordering;
 use std::path::Path;
 
+use super::Stamp;
 use crate::Error;
 
-/// Colour and depth taken further apart than this, in seconds, are not one frame (the limit of TUM's associate.py).
-const MAX_APART: f64 = 0.02;
+/// Colour and depth taken 0.02 s apart or more are not one frame (the limit of TUM's associate.py).
+pub(super) const MAX_APART: u64 = 20_000_000;
 
 /// One frame as listed.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
-    /// Time of the depth image in seconds.
-    pub(super) stamp: f64,
+    /// Time of the depth image.
+    pub(super) stamp: Stamp,
+    /// Time of the colour image.
+    pub(super) colour_stamp: Option<Stamp>,
     /// The colour image, as listed.
     pub(super) colour: Option<String>,
     /// The depth image, as listed.
@@ -24,7 +27,7 @@ pub(super) struct Entry {
 /// One line of `rgb.txt` or `depth.txt`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stamped {
-    pub(super) stamp: f64,
+    pub(super) stamp: Stamp,
     pub(super) file: String,
     pub(super) line: usize,
 }
@@ -40,8 +43,8 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, Vec<&str>)> {
         .filter(|(_, fields): &(usize, Vec<&str>)| fields.first().is_some_and(|f| !f.starts_with('#')))
 }
 
-fn stamp(path: &Path, line: usize, text: &str) -> Result<f64, Error> {
-    text.parse::<f64>().ok().filter(|s| s.is_finite()).ok_or_else(|| Error::Line {
+fn stamp(path: &Path, line: usize, text: &str) -> Result<Stamp, Error> {
+    text.parse().map_err(|()| Error::Line {
         path: path.to_owned(),
         line,
         reason: format!("{text:?} is not a time stamp in seconds"),
@@ -64,8 +67,10 @@ pub(super) fn parse_associations(path: &Path, text: &str) -> Result<Vec<Entry>, 
             };
             let (t0, t1) = (stamp(path, line, t0)?, stamp(path, line, t1)?);
             let says_depth = |f: &str| f.to_ascii_lowercase().contains("depth");
-            let (stamp, colour, depth) = if says_depth(f0) && !says_depth(f1) { (t0, f1, f0) } else { (t1, f0, f1) };
-            Ok(Entry { stamp, colour: Some(colour.to_owned()), depth: depth.to_owned(), line })
+            let depth_first = says_depth(f0) && !says_depth(f1);
+            let ((stamp, depth), (t, colour)) = if depth_first { ((t0, f0), (t1, f1)) } else { ((t1, f1), (t0, f0)) };
+            let (colour_stamp, colour) = (Some(t), Some(colour.to_owned()));
+            Ok(Entry { stamp, colour_stamp, colour, depth: depth.to_owned(), line })
         })
         .collect()
 }
@@ -88,31 +93,33 @@ pub(super) fn parse_list(path: &Path, text: &str) -> Result<Vec<Stamped>, Error>
 /// What finds no partner is left out. The result is in the order of the depth images' stamps.
 pub(super) fn associate(path: &Path, colour: &[Stamped], depth: &[Stamped]) -> Result<Vec<Entry>, Error> {
     let mut by_time: Vec<usize> = (0..colour.len()).collect();
-    by_time.sort_by(|&a, &b| colour[a].stamp.total_cmp(&colour[b].stamp));
+    by_time.sort_by_key(|&c| colour[c].stamp);
     let mut pairs = Vec::new();
-    for (d, Stamped { stamp, .. }) in depth.iter().enumerate() {
-        let from = by_time.partition_point(|&c| colour[c].stamp <= stamp - MAX_APART);
-        let near = by_time[from..].iter().take_while(|&&c| colour[c].stamp < stamp + MAX_APART);
-        pairs.extend(near.map(|&c| ((colour[c].stamp - stamp).abs(), d, c)));
+    for (d, &Stamped { stamp, .. }) in depth.iter().enumerate() {
+        let is_near = |c: usize| colour[c].stamp.apart(stamp) < MAX_APART;
+        let from = by_time.partition_point(|&c| colour[c].stamp < stamp && !is_near(c));
+        let near = by_time[from..].iter().take_while(|&&c| is_near(c));
+        pairs.extend(near.map(|&c| (colour[c].stamp.apart(stamp), d, c)));
         // A sensor gives one or two candidates; stamps that are all alike would give the square of the list.
         if pairs.len() > 64 * (colour.len() + depth.len()) {
             return Err(Error::Content {
                 path: path.to_owned(),
-                reason: format!("too many stamps lie within {MAX_APART} s of each other: they must be in seconds"),
+                reason: "too many stamps lie within 0.02 s of each other: they must be in seconds".to_owned(),
             });
         }
     }
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    pairs.sort_unstable();
     let (mut colour_used, mut depth_used) = (vec![false; colour.len()], vec![false; depth.len()]);
     let mut entries = Vec::new();
     for (_, d, c) in pairs {
         if !colour_used[c] && !depth_used[d] {
             (colour_used[c], depth_used[d]) = (true, true);
-            let Stamped { stamp, file, line } = depth[d].clone();
-            entries.push(Entry { stamp, colour: Some(colour[c].file.clone()), depth: file, line });
+            let (Stamped { stamp, file, line }, colour) = (depth[d].clone(), colour[c].clone());
+            let (colour_stamp, colour) = (Some(colour.stamp), Some(colour.file));
+            entries.push(Entry { stamp, colour_stamp, colour, depth: file, line });
         }
     }
-    entries.sort_by(|a, b| a.stamp.total_cmp(&b.stamp).then(a.line.cmp(&b.line)));
+    entries.sort_by_key(|entry| (entry.stamp, entry.line));
     Ok(entries)
 }
 
@@ -151,7 +158,11 @@ mod tests {
     use proptest::prelude::*;
 
     fn stamped(stamps: &[f64]) -> Vec<Stamped> {
-        let make = |(i, &stamp)| Stamped { stamp, file: format!("{stamp}.png"), line: i + 1 };
+        let make = |(i, &s): (usize, &f64)| Stamped {
+            stamp: Stamp::from_seconds(s).unwrap(),
+            file: format!("{s}.png"),
+            line: i + 1,
+        };
         stamps.iter().enumerate().map(make).collect()
     }
 
@@ -166,8 +177,8 @@ mod tests {
             "# comment\n\n1.5 rgb/a.png 1.25 depth/a.png\r\n  2.5,depth/b.png\t2.75 rgb/b.png # x".replace(" # x", "");
         let entries = parse_associations(Path::new("a.txt"), &text).unwrap();
         assert_eq!(entries.len(), 2);
-        assert_eq!((entries[0].stamp, entries[0].depth.as_str(), entries[0].line), (1.25, "depth/a.png", 3));
-        assert_eq!((entries[1].stamp, entries[1].depth.as_str(), entries[1].line), (2.5, "depth/b.png", 4));
+        assert_eq!((entries[0].stamp.seconds(), entries[0].depth.as_str(), entries[0].line), (1.25, "depth/a.png", 3));
+        assert_eq!((entries[1].stamp.seconds(), entries[1].depth.as_str(), entries[1].line), (2.5, "depth/b.png", 4));
         assert_eq!(entries[1].colour.as_deref(), Some("rgb/b.png"));
     }
 

@@ -1,23 +1,32 @@
 //! Sources of RGB-D frames, brought to the form that the pipeline takes: QVGA, depth in mm, intrinsics that belong.
+//!
+//! [`open`] opens whatever a URI names; each format is a [`Source`] in a file of its own.
 
+pub(crate) mod ahead;
 mod camera_info;
 pub(crate) mod files;
+mod folder;
 pub(crate) mod image;
 mod intrinsics;
 mod lists;
-mod recording;
+mod open;
+pub mod pair;
+mod prepare;
 mod reduce;
 mod scale;
+mod source;
+mod stamp;
 
 use pldi_core::Intrinsics;
 
 pub use camera_info::read_camera_info;
 pub use intrinsics::{IntrinsicsSpec, parse_intrinsics};
-pub use recording::{OpenOptions, Recording};
+pub use open::{Input, Mode, OpenOptions, open};
+pub use prepare::{Frame, Preparation};
 pub use reduce::reduce;
 pub use scale::DepthScale;
-
-use crate::Error;
+pub use source::{Images, RawFrame, Source, Stop};
+pub use stamp::Stamp;
 
 /// Largest factor by which a frame may exceed QVGA: 5120x3840, beyond any depth sensor.
 pub const MAX_FACTOR: u16 = 16;
@@ -50,43 +59,5 @@ impl QvgaFrame {
     /// `PixelCount` where a buffer was changed to another length.
     pub fn as_frame(&self) -> Result<pldi_core::Frame<'_, 320, 240>, pldi_core::Error> {
         pldi_core::Frame::new(&self.depth, self.colour.as_deref())
-    }
-}
-
-/// A frame's images before they were reduced.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Original {
-    /// Width and height of both.
-    pub size: (u16, u16),
-    /// Depth in mm, 0 = no reading, row by row.
-    pub depth: Vec<u16>,
-    /// Colour, 8 bits each of red, green and blue, row by row.
-    pub colour: Option<Vec<u8>>,
-}
-
-/// Where frames come from. Frames are read when they are asked for, in any order and from several threads at once.
-pub trait FrameSource: Send + Sync {
-    /// Number of frames.
-    fn len(&self) -> usize;
-
-    /// Whether there is no frame at all.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Reads the frame of number `index`. A frame that cannot be read does not hinder the others.
-    ///
-    /// # Errors
-    /// What is wrong with the frame's files, or that there is no such frame.
-    fn frame(&self, index: usize) -> Result<QvgaFrame, Error>;
-
-    /// The images of frame number `index` as they were taken, to be looked at; where a source has nothing else, the
-    /// reduced ones.
-    ///
-    /// # Errors
-    /// As [`FrameSource::frame`].
-    fn original(&self, index: usize) -> Result<Original, Error> {
-        let QvgaFrame { depth, colour, .. } = self.frame(index)?;
-        Ok(Original { size: (320, 240), depth, colour })
     }
 }

@@ -26,9 +26,9 @@ pub(super) fn depth(raw: &[u16], k: u16, scale: DepthScale) -> Vec<u16> {
 }
 
 /// Colour as the mean of each block of k x k, rounded half up.
-pub(super) fn colour(rgb: Vec<u8>, k: u16) -> Vec<u8> {
+pub(super) fn colour(rgb: &[u8], k: u16) -> Vec<u8> {
     if k == 1 {
-        return rgb;
+        return rgb.to_vec();
     }
     let n = u32::from(k) * u32::from(k);
     let k = usize::from(k);
@@ -51,7 +51,7 @@ pub(super) fn colour(rgb: Vec<u8>, k: u16) -> Vec<u8> {
 }
 
 /// A frame of depth in mm and colour, `k` times as large as QVGA, reduced to it.
-pub fn reduce(depth_mm: &[u16], rgb: Vec<u8>, k: u16) -> (Vec<u16>, Vec<u8>) {
+pub fn reduce(depth_mm: &[u16], rgb: &[u8], k: u16) -> (Vec<u16>, Vec<u8>) {
     (depth(depth_mm, k, DepthScale::Millimetres), colour(rgb, k))
 }
 
@@ -94,9 +94,9 @@ mod tests {
         {
             rgb[3 * (y * 640 + x) + c] = value;
         }
-        let small = colour(rgb, 2);
+        let small = colour(&rgb, 2);
         assert_eq!((small.len(), &small[..9]), (3 * 320 * 240, &[0, 0, 0, 255, 1, 0, 0, 0, 0][..]));
-        let small = colour(vec![255; 3 * 960 * 720], 3);
+        let small = colour(&[255; 3 * 960 * 720], 3);
         assert!(small.len() == 3 * 320 * 240 && small.iter().all(|&v| v == 255));
     }
 }

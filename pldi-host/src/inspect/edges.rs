@@ -4,7 +4,7 @@
 //! A jump counts at the pixel of the nearer surface: there the object ends, and there its colour does. The colour's edges
 //! are ranked within their image, so that contrast does not matter: random places have a mean of 0.5.
 
-use crate::input::Original;
+use crate::input::Images;
 
 /// Shifts up to so many pixels of QVGA each way are tried.
 const REACH: i32 = 12;
@@ -62,15 +62,15 @@ impl Agreement {
     }
 
     /// Adds a frame; one without colour says nothing.
-    pub(super) fn add(&mut self, original: &Original) {
-        let Some(colour) = &original.colour else { return };
+    pub(super) fn add(&mut self, images: &Images) {
+        let Some(colour) = &images.colour else { return };
         let step = usize::from(self.step);
-        let (wide, high) = (usize::from(original.size.0), usize::from(original.size.1));
+        let (wide, high) = (usize::from(images.size.0), usize::from(images.size.1));
         let thin = |v: usize| (0..wide).step_by(step).map(move |u| v * wide + u);
         let places: Vec<usize> = (0..high).step_by(step).flat_map(thin).collect();
         let (width, height) = (wide.div_ceil(step), high.div_ceil(step));
         let rgb = colour.as_chunks::<3>().0;
-        let depth: Vec<u16> = places.iter().map(|&i| original.depth.get(i).copied().unwrap_or(0)).collect();
+        let depth: Vec<u16> = places.iter().map(|&i| images.depth.get(i).copied().unwrap_or(0)).collect();
         let colour: Vec<[u8; 3]> = places.iter().map(|&i| rgb.get(i).copied().unwrap_or_default()).collect();
         for across in [true, false] {
             // Jumps along rows belong to edges that cross the rows, and likewise for columns.
@@ -189,10 +189,11 @@ fn jumps(depth: &[u16], width: usize, height: usize, across: bool, shadow: usize
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::DepthScale;
 
     /// A near square on a far wall, with colours to match, the depth `shift` to the left and up; every colour the same
     /// where `plain`.
-    fn frame(shift: (i32, i32), plain: bool) -> Original {
+    fn frame(shift: (i32, i32), plain: bool) -> Images {
         let inside = |x: i32, y: i32| (60..260).contains(&x) && (60..180).contains(&y);
         let pixels = || (0..240).flat_map(|y| (0..320).map(move |x| (x, y)));
         let depth = pixels().map(|(x, y)| if inside(x + shift.0, y + shift.1) { 1500 } else { 3000 }).collect();
@@ -203,10 +204,10 @@ mod tests {
             (false, true) => [180 + texture(x, y), 60, 60],
             (false, false) => [texture(x, y), 120, 90],
         });
-        Original { size: (320, 240), depth, colour: Some(colour.collect()) }
+        Images { size: (320, 240), depth, scale: DepthScale::Millimetres, colour: Some(colour.collect()) }
     }
 
-    fn finding(frame: &Original) -> Finding {
+    fn finding(frame: &Images) -> Finding {
         let mut agreement = Agreement::new(1);
         agreement.add(frame);
         agreement.finding().unwrap()
@@ -233,8 +234,8 @@ mod tests {
     fn plain_images_and_flat_depth_say_nothing() {
         assert!(!finding(&frame((0, 0), true)).clear);
         let mut agreement = Agreement::new(1);
-        agreement.add(&Original { depth: vec![1000; 320 * 240], ..frame((0, 0), false) });
-        agreement.add(&Original { colour: None, ..frame((0, 0), false) });
+        agreement.add(&Images { depth: vec![1000; 320 * 240], ..frame((0, 0), false) });
+        agreement.add(&Images { colour: None, ..frame((0, 0), false) });
         assert_eq!(agreement.finding(), None);
     }
 }

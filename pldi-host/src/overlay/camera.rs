@@ -6,7 +6,6 @@ use embedded_graphics::primitives::Rectangle;
 
 use super::text::{LABEL_HEIGHT, Labels};
 use super::{Canvas, GREY, colour_of};
-use crate::input::Original;
 use crate::runner::Processed;
 
 /// Width of this part in pixels.
@@ -23,10 +22,11 @@ const DASHES: [[u8; 3]; 2] = [[205; 3], [75; 3]];
 const WORTH_A_LABEL: u32 = 400;
 
 /// Draws the image, the outlines and the labels.
-pub(super) fn draw(canvas: &mut Canvas, processed: &Processed<'_>, original: &Original) {
-    match &original.colour {
-        Some(colour) => photograph(canvas, colour, original.size),
-        None => depth(canvas, &original.depth, original.size),
+pub(super) fn draw(canvas: &mut Canvas, processed: &Processed<'_>) {
+    let images = &processed.frame.images;
+    match &images.colour {
+        Some(colour) => photograph(canvas, colour, images.size),
+        None => depth(canvas, &images.depth_mm(), images.size),
     }
     if processed.workspace.report.floor.is_none() {
         // Nothing after the floor belongs to this frame.

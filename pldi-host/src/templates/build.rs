@@ -186,7 +186,7 @@ impl Builder {
         let seed = rng::derive(rng::derive(number as u64, ring as u64), view as u64);
         let sensor = Sensor::kinect_v1();
         let Capture { depth, colour, labels, .. } = sensor.capture(&scene, camera, seed);
-        let (depth, colour) = reduce(&depth, colour, 2);
+        let (depth, colour) = reduce(&depth, &colour, 2);
         let intrinsics = sensor.intrinsics.reduced(2).map_err(Error::core)?;
         let floor = floor_of(camera)?;
         let params = Params {

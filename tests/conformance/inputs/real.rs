@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use pldi_host::input::{FrameSource, OpenOptions, Recording};
+use pldi_host::input::{self, Frame, OpenOptions};
 
 use super::Scene;
 
@@ -17,9 +17,10 @@ pub fn folders() -> Vec<PathBuf> {
 
 /// All frames of a recording.
 pub fn scenes(folder: &Path) -> Vec<Scene> {
-    let recording = Recording::open(folder, &OpenOptions::default()).expect("a recording");
-    let scene = |i: usize| {
-        let frame = recording.frame(i).unwrap_or_else(|e| panic!("{} {i}: {e}", folder.display()));
+    let uri = folder.to_str().expect("a name in UTF-8");
+    let mut recording = input::open(uri, &OpenOptions::default()).expect("a recording");
+    let scene = |(i, frame): (usize, Result<Frame, _>)| {
+        let frame = frame.unwrap_or_else(|e| panic!("{uri} {i}: {e}")).qvga;
         // The costly truths are computed on the first frame.
         let stride = if i == 0 { 3 } else { 0 };
         Scene {
@@ -31,5 +32,5 @@ pub fn scenes(folder: &Path) -> Vec<Scene> {
             stride,
         }
     };
-    (0..recording.len()).map(scene).collect()
+    recording.frames().enumerate().map(scene).collect()
 }

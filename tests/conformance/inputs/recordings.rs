@@ -18,7 +18,7 @@ pub fn scenes(number: usize) -> Vec<Scene> {
     let camera = recording.sensor.intrinsics.reduced(2).expect("VGA is twice QVGA");
     assert_eq!(usize::from(camera.width), W);
     let scene = |(i, frame): (usize, pldi_fixtures::RecordedFrame)| {
-        let (depth, colour) = reduce(&frame.capture.depth, frame.capture.colour, 2);
+        let (depth, colour) = reduce(&frame.capture.depth, &frame.capture.colour, 2);
         let pose = [frame.camera.height, frame.camera.pitch, frame.camera.roll];
         // The costly truths are computed on a frame of each recording.
         let stride = if i == 0 { 3 } else { 0 };

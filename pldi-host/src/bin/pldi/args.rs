@@ -8,25 +8,25 @@ use pldi_core::floor::FloorMode;
 use pldi_core::reconstruct::{FilterKind, FilterParams};
 use pldi_core::view::{Framing, ViewParams};
 use pldi_core::{Floor, Params};
-use pldi_host::input::{DepthScale, IntrinsicsSpec, OpenOptions, Recording, parse_intrinsics};
+use pldi_host::input::{DepthScale, Input, IntrinsicsSpec, OpenOptions, open, parse_intrinsics};
 use pldi_host::{ArithmeticKind, Error};
 
 /// Where the frames come from.
 #[derive(Debug, Args)]
-pub struct Input {
+pub struct Source {
     /// A recording's folder (associations.txt, or rgb.txt and depth.txt, or depth.txt alone, or the folders rgb/ and
     /// depth/), or a single depth image
-    input: PathBuf,
+    input: String,
     /// The colour image that belongs to a single depth image
     #[arg(long, value_name = "FILE")]
     colour: Option<PathBuf>,
     /// Unit of the depth images: mm, tum (1/5000 m), sun3d, or units per metre
     #[arg(long, value_name = "SCALE", default_value = "mm")]
     depth_scale: DepthScale,
-    /// Intrinsics in pixels, in place of camera_info.yaml: fx,fy,cx,cy, with @WxH where they are for another size
+    /// Intrinsics in pixels, in place of the recording's: fx,fy,cx,cy, with @WxH where they are for another size
     #[arg(long, value_name = "FX,FY,CX,CY[@WxH]", value_parser = intrinsics, allow_hyphen_values = true)]
     intrinsics: Option<IntrinsicsSpec>,
-    /// Calibration file in place of the folder's camera_info.yaml
+    /// Calibration file (camera_info.yaml) in place of the recording's
     #[arg(long, value_name = "FILE")]
     camera_info: Option<PathBuf>,
 }
@@ -35,21 +35,17 @@ fn intrinsics(text: &str) -> Result<IntrinsicsSpec, Error> {
     parse_intrinsics(text)
 }
 
-impl Input {
-    /// Opens the recording.
-    pub fn open(&self) -> Result<Recording, Error> {
+impl Source {
+    /// Opens it.
+    pub fn open(&self) -> Result<Input, Error> {
         let options = OpenOptions {
             depth_scale: self.depth_scale,
             intrinsics: self.intrinsics,
             camera_info: self.camera_info.clone(),
+            colour_image: self.colour.clone(),
+            ..OpenOptions::default()
         };
-        if self.input.is_file() {
-            return Recording::open_pair(self.colour.as_deref(), &self.input, &options);
-        }
-        if self.colour.is_some() {
-            return Err(Error::Usage("--colour goes with a single depth image, not with a folder".to_owned()));
-        }
-        Recording::open(&self.input, &options)
+        open(&self.input, &options)
     }
 }
 

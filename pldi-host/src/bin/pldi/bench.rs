@@ -2,17 +2,16 @@
 
 mod subject;
 
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use pldi_core::Params;
 use pldi_core::pipeline::{Fixed, Float};
 use pldi_core::templates::Templates;
 use pldi_fixtures::Recording as Generated;
-use pldi_host::input::{DepthScale, FrameSource, OpenOptions, QvgaFrame, Recording, reduce};
+use pldi_host::input::{self, DepthScale, OpenOptions, QvgaFrame, reduce};
 use pldi_host::{ArithmeticKind, Engine, Error, Numbers};
 
-use crate::{print, templates};
+use crate::{print, progress, templates};
 use subject::{Stage, Subject, Timed};
 
 /// The two arithmetics take turns so often on each stage, so that a change of the machine's load meets both.
@@ -24,7 +23,7 @@ const TURNS: u32 = 8;
 #[derive(Debug, clap::Args)]
 pub struct Bench {
     /// A recording's folder [default: the generated demo recording]
-    input: Option<PathBuf>,
+    input: Option<String>,
     /// Number of the frame [default: the demo's frame with the most candidates, or 0]
     #[arg(long, value_name = "K")]
     frame: Option<usize>,
@@ -116,7 +115,7 @@ impl Bench {
     fn frame(&self, params: &Params, set: &Templates<'_>) -> anyhow::Result<QvgaFrame> {
         if let Some(input) = &self.input {
             let options = OpenOptions { depth_scale: self.depth_scale, ..OpenOptions::default() };
-            return Ok(Recording::open(input, &options)?.frame(self.frame.unwrap_or(0))?);
+            return Ok(input::open(input, &options)?.frame(self.frame.unwrap_or(0), progress::stop())?.qvga);
         }
         let recording = Generated::demo();
         let intrinsics = recording.sensor.intrinsics.reduced(2).map_err(Error::core)?;
@@ -125,7 +124,7 @@ impl Bench {
         let mut best: Option<(usize, QvgaFrame)> = None;
         for i in self.frame.map_or(0..recording.len(), |k| k..k + 1) {
             let Some(generated) = recording.frame(i) else { continue };
-            let (depth, colour) = reduce(&generated.capture.depth, generated.capture.colour, 2);
+            let (depth, colour) = reduce(&generated.capture.depth, &generated.capture.colour, 2);
             let frame = QvgaFrame {
                 index: i,
                 stamp: generated.stamp,

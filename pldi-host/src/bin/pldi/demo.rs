@@ -5,8 +5,9 @@ use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use pldi_host::input::{OpenOptions, Recording};
+use pldi_host::input::{self, OpenOptions};
 use pldi_host::output::{atomic, png};
+use pldi_host::runner::Job;
 use pldi_host::trial::{Standing, Verdict};
 use pldi_host::{Engine, Error, demo};
 
@@ -41,7 +42,7 @@ impl Demo {
         Engine::check(arithmetic, &params)?;
         let (folder, pictures) = (self.out.join("recording"), self.out.join("overlay"));
         std::fs::create_dir_all(&pictures).map_err(|cause| Error::Write { path: pictures.clone(), cause })?;
-        let bar = std::io::stderr().is_terminal().then(|| progress::bar(0));
+        let bar = std::io::stderr().is_terminal().then(|| progress::bar(Some(0)));
         let step = || {
             if let Some(bar) = &bar {
                 bar.inc(1);
@@ -53,9 +54,12 @@ impl Demo {
             bar.set_length(2 * frames as u64);
         }
         let truth = demo::write(&folder, self.threads.count(), step)?;
-        let recording = Recording::open(&folder, &OpenOptions::default())?;
+        let uri = folder.to_str().context("the folder's name is not UTF-8")?;
+        let open = || input::open(uri, &OpenOptions::default());
+        let (threads, stop) = (self.threads.count(), progress::stop());
+        let job = Job { arithmetic, params: &params, templates: &set, threads, stop };
         let (mut lines, mut shown) = (Vec::new(), Vec::new());
-        demo::recognise(&recording, &truth, arithmetic, &params, &set, self.threads.count(), |i, frame| {
+        demo::recognise(open()?, &truth, &job, |i, frame| {
             atomic::write_bytes(&pictures.join(format!("{i:04}.png")), &frame.picture)?;
             serde_json::to_writer(&mut lines, &frame.report)?;
             lines.push(b'\n');
@@ -68,7 +72,7 @@ impl Demo {
         let results = self.out.join("detections.jsonl");
         atomic::write_bytes(&results, &lines)?;
         if let Some(file) = &self.picture {
-            let canvas = demo::composite(&recording, PICTURED, arithmetic, &params, &set)?;
+            let canvas = demo::composite(open()?.frame(PICTURED, stop)?, arithmetic, &params, &set)?;
             png::write_rgb8(file, canvas.dimensions(), canvas.pixels())?;
         }
         let text = table(&shown) + &summary(&shown, &folder, &results, &pictures);

@@ -2,17 +2,16 @@
 
 use std::io::IsTerminal;
 
-use pldi_host::input::FrameSource;
 use pldi_host::inspect;
 
-use crate::args::Input;
+use crate::args::Source;
 use crate::{print, progress};
 
 /// Options of `pldi inspect`.
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
     #[command(flatten)]
-    input: Input,
+    input: Source,
     /// Look at so many frames, evenly spread
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..))]
     frames: u16,
@@ -24,16 +23,18 @@ pub struct Inspect {
 impl Inspect {
     /// Runs the command.
     pub fn run(&self) -> anyhow::Result<()> {
-        let recording = self.input.open()?;
+        let input = self.input.open()?;
         let frames = usize::from(self.frames);
-        let bar = std::io::stderr().is_terminal().then(|| progress::bar(recording.len().min(frames) as u64));
+        let bar = std::io::stderr()
+            .is_terminal()
+            .then(|| progress::bar(Some(input.frames_left().map_or(frames, |n| n.min(frames)) as u64)));
         let each = || {
             if let Some(bar) = &bar {
                 bar.inc(1);
             }
             !progress::interrupted()
         };
-        let summary = inspect::inspect(&recording, frames, each);
+        let summary = inspect::inspect(input, frames, progress::stop(), each);
         if let Some(bar) = &bar {
             bar.finish_and_clear();
         }

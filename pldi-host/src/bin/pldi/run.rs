@@ -5,13 +5,12 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 use pldi_core::templates::Templates;
-use pldi_host::input::{FrameSource, Recording};
 use pldi_host::output::atomic;
 use pldi_host::overlay;
-use pldi_host::runner::{self, FrameResult, Processed};
+use pldi_host::runner::{self, FrameResult, Job, Processed};
 use pldi_host::{ArithmeticKind, Engine, Error};
 
-use crate::args::{Input, Processing, Threads};
+use crate::args::{Processing, Source, Threads};
 use crate::serial::FromSerial;
 use crate::{print, progress, templates};
 
@@ -22,7 +21,7 @@ use crate::{print, progress, templates};
 #[command(mut_arg("input", |input| input.required(false).required_unless_present("path")))]
 pub struct Run {
     #[command(flatten)]
-    input: Option<Input>,
+    input: Option<Source>,
     #[command(flatten)]
     serial: FromSerial,
     /// The template file [default: the embedded set]
@@ -60,33 +59,45 @@ impl Run {
             let name = file.map_or("the embedded templates".to_owned(), |f| f.display().to_string());
             Error::Usage(format!("{name}: {cause}"))
         })?;
-        let recording = input.open()?;
+        let input = input.open()?;
         if let Some(folder) = &self.overlay {
             std::fs::create_dir_all(folder).map_err(|cause| Error::Write { path: folder.clone(), cause })?;
         }
-        let mut sink = Sink { keep_going: self.keep_going, overlay: self.overlay.as_deref(), failed: 0, bar: None };
+        let mut sink = Sink {
+            keep_going: self.keep_going,
+            overlay: self.overlay.as_deref(),
+            frames: 0,
+            failed: 0,
+            dropped: 0,
+            bar: None,
+        };
         if std::io::stderr().is_terminal() {
-            sink.bar = Some(progress::bar(recording.len() as u64));
+            sink.bar = Some(progress::bar(input.frames_left().map(|count| count as u64)));
         }
-        let look = |processed: &Processed<'_>| self.draw(&recording, &set, processed);
-        let threads = self.threads.count();
-        let result = runner::run(&recording, arithmetic, &params, &set, threads, look, |i, r| sink.take(i, r));
+        let look = |processed: &Processed<'_>| self.draw(&set, processed);
+        let (threads, stop) = (self.threads.count(), progress::stop());
+        let job = Job { arithmetic, params: &params, templates: &set, threads, stop };
+        let result = runner::run(input, &job, look, |i, r| sink.take(i, r));
         if let Some(bar) = &sink.bar {
             bar.finish_and_clear();
         }
+        if sink.dropped > 0 {
+            eprintln!("pldi: {} frames were lost between the {} that came", sink.dropped, sink.frames);
+        }
         result?;
-        let (failed, count) = (sink.failed, recording.len());
+        // The source gave up waiting.
+        anyhow::ensure!(!progress::interrupted(), Error::Interrupted);
+        let (failed, count) = (sink.failed, sink.frames);
         anyhow::ensure!(failed == 0, "{failed} of {count} frames failed");
         Ok(())
     }
 
     /// The frame's picture as a PNG file, where pictures are wanted.
-    fn draw(&self, recording: &Recording, set: &Templates<'_>, seen: &Processed<'_>) -> Result<Option<Vec<u8>>, Error> {
+    fn draw(&self, set: &Templates<'_>, seen: &Processed<'_>) -> Result<Option<Vec<u8>>, Error> {
         if self.overlay.is_none() {
             return Ok(None);
         }
-        let original = recording.original(seen.frame.index)?;
-        Ok(Some(overlay::draw(seen, &original, set).to_png()?))
+        Ok(Some(overlay::draw(seen, set).to_png()?))
     }
 }
 
@@ -94,8 +105,12 @@ impl Run {
 struct Sink<'a> {
     keep_going: bool,
     overlay: Option<&'a Path>,
-    /// Number of frames that failed.
+    /// Number of frames that came.
+    frames: usize,
+    /// Number of them that failed.
     failed: usize,
+    /// Number of frames that were lost before they came.
+    dropped: u64,
     /// Only on a terminal.
     bar: Option<ProgressBar>,
 }
@@ -103,8 +118,10 @@ struct Sink<'a> {
 impl Sink<'_> {
     /// Takes the result of frame `index`; whether to go on.
     fn take(&mut self, index: usize, result: Result<FrameResult<Option<Vec<u8>>>, Error>) -> anyhow::Result<bool> {
+        self.frames += 1;
         match result {
-            Ok(FrameResult { report, extra }) => {
+            Ok(FrameResult { report, dropped, extra }) => {
+                self.dropped += dropped;
                 if let (Some(folder), Some(png)) = (self.overlay, extra) {
                     atomic::write_bytes(&folder.join(format!("{index:04}.png")), &png)?;
                 }

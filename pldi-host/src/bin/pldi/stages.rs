@@ -4,16 +4,16 @@ use std::path::PathBuf;
 
 use pldi_core::pipeline::QvgaWorkspace;
 use pldi_core::view::ViewParams;
-use pldi_host::input::FrameSource;
 use pldi_host::{Engine, Error, stages};
 
-use crate::args::{Input, Processing};
+use crate::args::{Processing, Source};
+use crate::progress;
 
 /// Options of `pldi stages`.
 #[derive(Debug, clap::Args)]
 pub struct Stages {
     #[command(flatten)]
-    input: Input,
+    input: Source,
     #[command(flatten)]
     processing: Processing,
     /// Number of the frame, from 0
@@ -27,7 +27,7 @@ pub struct Stages {
 impl Stages {
     /// Runs the command.
     pub fn run(&self) -> anyhow::Result<()> {
-        let frame = self.input.open()?.frame(self.frame)?;
+        let frame = self.input.open()?.frame(self.frame, progress::stop())?.qvga;
         let params = self.processing.params(ViewParams::DEFAULT);
         let mut engine = Engine::new(self.processing.arithmetic(), &params, &frame.intrinsics)?;
         std::fs::create_dir_all(&self.out).map_err(|cause| Error::Write { path: self.out.clone(), cause })?;

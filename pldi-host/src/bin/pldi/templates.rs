@@ -199,7 +199,7 @@ impl Build {
     }
 
     fn write<A: Numbers>(&self, builder: &Builder, objects: &[ObjectMesh]) -> anyhow::Result<()> {
-        let bar = crate::progress::bar(objects.len() as u64);
+        let bar = crate::progress::bar(Some(objects.len() as u64));
         let set = builder.build::<A>(objects, self.threads.count(), |_| {
             bar.inc(1);
             !crate::progress::interrupted()

@@ -50,7 +50,7 @@ impl Trial {
             let written = pldi_fixtures::write_tum(&rooms.recording(room), &format!("room {room}"), &folder);
             return Ok(written.map_err(|cause| Error::Write { path: folder, cause })?);
         }
-        let bar = crate::progress::bar(self.rooms.into());
+        let bar = crate::progress::bar(Some(self.rooms.into()));
         let outcome = rooms.run(arithmetic, &params, &set, self.threads.count(), || {
             bar.inc(1);
             !crate::progress::interrupted()
