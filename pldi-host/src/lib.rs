@@ -47,6 +47,7 @@ pub mod numbers;
 pub mod output;
 pub mod overlay;
 pub mod parallel;
+pub mod record;
 pub mod report;
 pub mod runner;
 pub mod serial;

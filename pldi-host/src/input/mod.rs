@@ -21,7 +21,7 @@ use pldi_core::Intrinsics;
 
 pub use camera_info::read_camera_info;
 pub use intrinsics::{IntrinsicsSpec, parse_intrinsics};
-pub use open::{Input, Mode, OpenOptions, open};
+pub use open::{Input, Mode, OpenOptions, is_image, open};
 pub use prepare::{Frame, Preparation};
 pub use reduce::reduce;
 pub use scale::DepthScale;

@@ -73,6 +73,19 @@ impl std::str::FromStr for Mode {
     }
 }
 
+/// What options an input can do something with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Images in files.
+    Files,
+    /// Topics.
+    #[expect(dead_code, reason = "no format yet")]
+    Bag,
+    /// A sensor.
+    #[expect(dead_code, reason = "no format yet")]
+    Device,
+}
+
 /// Opens an input of one kind.
 type Open = fn(&str, &OpenOptions) -> Result<Box<dyn Source>, Error>;
 
@@ -82,13 +95,19 @@ struct Format {
     name: &'static str,
     /// Whether this text names an input of this kind. The first format that claims it opens it.
     claims: fn(&str) -> bool,
+    kind: Kind,
     open: Open,
 }
 
 /// All formats.
 const FORMATS: &[Format] = &[
-    Format { name: "a recording's folder", claims: |uri| Path::new(uri).is_dir(), open: folder::open },
-    Format { name: "a depth image (.png)", claims: is_image, open: folder::open_image },
+    Format {
+        name: "a recording's folder",
+        claims: |uri| Path::new(uri).is_dir(),
+        kind: Kind::Files,
+        open: folder::open,
+    },
+    Format { name: "a depth image (.png)", claims: is_image, kind: Kind::Files, open: folder::open_image },
 ];
 
 /// Whether a file's name ends so, in capitals or not.
@@ -97,7 +116,7 @@ fn ends_with(uri: &str, extension: &str) -> bool {
 }
 
 /// Whether the name is that of an image that could hold depth, if by mistake.
-fn is_image(uri: &str) -> bool {
+pub fn is_image(uri: &str) -> bool {
     ["png", "jpg", "jpeg"].iter().any(|e| ends_with(uri, e)) && !Path::new(uri).is_dir()
 }
 
@@ -114,12 +133,25 @@ pub fn open(uri: &str, options: &OpenOptions) -> Result<Input, Error> {
         let reason = format!("no known kind of input; there are {}", known.join(", "));
         return Err(Error::Content { path: path.to_owned(), reason });
     };
-    if options.colour_image.is_some() && !is_image(uri) {
-        return Err(Error::Usage("--colour goes with a single depth image".to_owned()));
-    }
+    check(uri, format.kind, options)?;
     tracing::debug!("{uri} is {}", format.name);
     let preparation = Preparation::new(options)?;
     Ok(Input { source: (format.open)(uri, options)?, preparation, next: 0 })
+}
+
+/// Options that an input can do nothing with are mistakes.
+fn check(uri: &str, kind: Kind, options: &OpenOptions) -> Result<(), Error> {
+    let OpenOptions { colour_image, colour_topic, depth_topic, info_topic, mode, once, .. } = options;
+    let topics = depth_topic.is_some() || info_topic.is_some();
+    let mistake = match kind {
+        _ if colour_image.is_some() && !is_image(uri) => "--color FILE goes with a single depth image",
+        Kind::Files | Kind::Device if colour_topic.is_some() => "--color goes with a bag, or with a single depth image",
+        Kind::Files | Kind::Device if topics => "--depth and --info name topics of a bag",
+        Kind::Files | Kind::Bag if mode.is_some() => "--mode goes with a device",
+        Kind::Files | Kind::Bag if *once => "--once goes with a device",
+        _ => return Ok(()),
+    };
+    Err(Error::Usage(format!("{mistake}; {uri} is none")))
 }
 
 /// An open source, and how its frames become the pipeline's.

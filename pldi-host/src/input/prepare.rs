@@ -3,10 +3,13 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use pldi_core::Intrinsics;
+
 use super::intrinsics::Camera;
 use super::{Images, OpenOptions, QvgaFrame, RawFrame, read_camera_info, reduce};
 use crate::Error;
 use crate::error::IntrinsicsOrigin;
+use crate::record::Taken;
 
 /// Where most readings of a room lie, in mm: a Kinect measures from 0.4 m or 0.5 m on, and coarsely beyond 6 m.
 const USUAL_MM: std::ops::RangeInclusive<u16> = 400..=6000;
@@ -57,11 +60,7 @@ impl Preparation {
         // Names the image in messages.
         let path = Path::new(&name);
         let factor = reduce::factor(path, images.size)?;
-        let camera = match (&self.camera, camera) {
-            (Some(camera), _) => camera.clone(),
-            (None, Some((intrinsics, origin))) => Camera::Known(intrinsics, origin),
-            (None, None) => Camera::Default,
-        };
+        let camera = self.camera(camera);
         let intrinsics = camera.for_image(path, images.size)?;
         if matches!(camera, Camera::Default) && !self.warned_default.swap(true, Ordering::Relaxed) {
             tracing::warn!(
@@ -84,6 +83,29 @@ impl Preparation {
         let (stamp, original_size, origin) = (stamp.seconds(), images.size, camera.origin());
         let qvga = QvgaFrame { index, stamp, name, depth, colour, intrinsics, factor, original_size };
         Ok(Frame { qvga, images, origin, dropped })
+    }
+
+    /// Decodes a frame and leaves it as it was taken, with the camera where that is known.
+    ///
+    /// # Errors
+    /// What is wrong with its images, or intrinsics that do not belong to them.
+    pub fn taken(&self, raw: RawFrame) -> Result<Taken, Error> {
+        let RawFrame { stamp, colour_stamp, name, camera, images, .. } = raw;
+        let images = images()?;
+        let camera = match self.camera(camera) {
+            Camera::Default => None,
+            known => Some(known.for_image(Path::new(&name), images.size)?),
+        };
+        Ok(Taken { stamp, colour_stamp: colour_stamp.unwrap_or(stamp), camera, images })
+    }
+
+    /// The camera by precedence: the user's word, the source's, the default.
+    fn camera(&self, source: Option<(Intrinsics, IntrinsicsOrigin)>) -> Camera {
+        match (&self.camera, source) {
+            (Some(camera), _) => camera.clone(),
+            (None, Some((intrinsics, origin))) => Camera::Known(intrinsics, origin),
+            (None, None) => Camera::Default,
+        }
     }
 
     /// Says once when most readings lie where the sensor hardly has any, which is what a wrong unit looks like.

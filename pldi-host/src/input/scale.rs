@@ -26,7 +26,13 @@ impl DepthScale {
     /// [`DepthRange::KINECT`] is no reading.
     #[inline]
     pub fn to_mm(self, raw: u16) -> u16 {
-        let mm = match self {
+        DepthRange::KINECT.apply(self.millimetres(raw))
+    }
+
+    /// A raw value in mm, rounded to nearest (half up), whatever its range; 0 where it is none or does not fit 16 bits.
+    #[inline]
+    pub fn millimetres(self, raw: u16) -> u16 {
+        match self {
             Self::Millimetres => raw,
             // raw + 2 in 32 bits: 65535 must not wrap.
             Self::Tum => ((u32::from(raw) + 2) / 5) as u16,
@@ -36,8 +42,7 @@ impl DepthScale {
                 // Written so that NaN fails the test.
                 if (0.0..=f64::from(u16::MAX)).contains(&mm) { mm as u16 } else { 0 }
             }
-        };
-        DepthRange::KINECT.apply(mm)
+        }
     }
 }
 

@@ -8,18 +8,32 @@ use pldi_core::floor::FloorMode;
 use pldi_core::reconstruct::{FilterKind, FilterParams};
 use pldi_core::view::{Framing, ViewParams};
 use pldi_core::{Floor, Params};
-use pldi_host::input::{DepthScale, Input, IntrinsicsSpec, OpenOptions, open, parse_intrinsics};
+use pldi_host::input::{DepthScale, Input, IntrinsicsSpec, Mode, OpenOptions, is_image, open, parse_intrinsics};
 use pldi_host::{ArithmeticKind, Error};
 
 /// Where the frames come from.
 #[derive(Debug, Args)]
 pub struct Source {
     /// A recording's folder (associations.txt, or rgb.txt and depth.txt, or depth.txt alone, or the folders rgb/ and
-    /// depth/), or a single depth image
+    /// depth/), a bag (.mcap, .bag), an OpenNI2 recording (.oni), a sensor (openni2: for the first, openni2:URI), or a
+    /// single depth image
+    #[arg(value_name = "SOURCE")]
     input: String,
-    /// The colour image that belongs to a single depth image
-    #[arg(long, value_name = "FILE")]
-    colour: Option<PathBuf>,
+    /// Topic of the colour images in a bag, or the colour image that belongs to a single depth image
+    #[arg(long, visible_alias = "colour", value_name = "TOPIC|FILE")]
+    color: Option<String>,
+    /// Topic of the depth images in a bag
+    #[arg(long, value_name = "TOPIC")]
+    depth: Option<String>,
+    /// Topic of the calibration in a bag
+    #[arg(long, value_name = "TOPIC")]
+    info: Option<String>,
+    /// What a sensor is to deliver: qvga, vga, or WxH@RATE [default: qvga where the sensor can]
+    #[arg(long, value_name = "MODE")]
+    mode: Option<Mode>,
+    /// End where a sensor is lost, instead of waiting for it
+    #[arg(long)]
+    once: bool,
     /// Unit of the depth images: mm, tum (1/5000 m), sun3d, or units per metre
     #[arg(long, value_name = "SCALE", default_value = "mm")]
     depth_scale: DepthScale,
@@ -38,14 +52,37 @@ fn intrinsics(text: &str) -> Result<IntrinsicsSpec, Error> {
 impl Source {
     /// Opens it.
     pub fn open(&self) -> Result<Input, Error> {
+        let image = is_image(&self.input);
         let options = OpenOptions {
             depth_scale: self.depth_scale,
             intrinsics: self.intrinsics,
             camera_info: self.camera_info.clone(),
-            colour_image: self.colour.clone(),
-            ..OpenOptions::default()
+            colour_image: self.color.as_ref().filter(|_| image).map(PathBuf::from),
+            colour_topic: self.color.clone().filter(|_| !image),
+            depth_topic: self.depth.clone(),
+            info_topic: self.info.clone(),
+            mode: self.mode,
+            once: self.once,
         };
         open(&self.input, &options)
+    }
+}
+
+/// How many frames.
+#[derive(Debug, Args)]
+pub struct Limit {
+    /// End after so many frames
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    frames: Option<u64>,
+}
+
+impl Limit {
+    /// The input, or its first frames.
+    pub fn apply(&self, input: Input) -> Input {
+        match self.frames {
+            Some(count) => input.first(usize::try_from(count).unwrap_or(usize::MAX)),
+            None => input,
+        }
     }
 }
 

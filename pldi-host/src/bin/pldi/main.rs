@@ -1,4 +1,4 @@
-//! The command `pldi`: recognises furniture in RGB-D recordings.
+//! The command `pldi`: recognises furniture in RGB-D recordings and before live sensors.
 //!
 //! Results go to stdout, messages and progress to stderr. Exit codes: 0 done, 1 failed on the data, 2 wrong usage,
 //! 130 interrupted.
@@ -10,6 +10,7 @@ mod describe;
 mod inspect;
 mod print;
 mod progress;
+mod record;
 mod run;
 mod serial;
 mod stages;
@@ -20,7 +21,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-/// Recognise furniture-sized objects in RGB-D recordings by projective light diffusion.
+/// Recognise furniture-sized objects in RGB-D frames by projective light diffusion.
 #[derive(Debug, Parser)]
 #[command(name = "pldi", version, propagate_version = true)]
 struct Cli {
@@ -35,8 +36,10 @@ struct Cli {
 enum Command {
     /// Make a recording, recognise what is in it and compare with the truth
     Demo(demo::Demo),
-    /// Recognise the objects in each frame of a recording: JSON Lines on stdout
+    /// Recognise the objects in each frame of a recording or sensor: JSON Lines on stdout
     Run(run::Run),
+    /// Keep what a sensor or any recording gives, as a folder or as an MCAP file
+    Record(record::Record),
     /// Tell what a recording is like, and whether its depth belongs to its colour
     Inspect(inspect::Inspect),
     /// Write every stage of one frame as files
@@ -71,6 +74,7 @@ fn main() -> ExitCode {
     let result = match cli.command {
         Command::Demo(command) => command.run(),
         Command::Run(command) => command.run(),
+        Command::Record(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Stages(command) => command.run(),
         Command::Describe(command) => command.run(),

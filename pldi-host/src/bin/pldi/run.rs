@@ -1,4 +1,4 @@
-//! `pldi run`: a recording's frames, one JSON line each.
+//! `pldi run`: a source's frames, one JSON line each.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use pldi_host::overlay;
 use pldi_host::runner::{self, FrameResult, Job, Processed};
 use pldi_host::{ArithmeticKind, Engine, Error};
 
-use crate::args::{Processing, Source, Threads};
+use crate::args::{Limit, Processing, Source, Threads};
 use crate::serial::FromSerial;
 use crate::{print, progress, templates};
 
@@ -22,6 +22,8 @@ use crate::{print, progress, templates};
 pub struct Run {
     #[command(flatten)]
     input: Option<Source>,
+    #[command(flatten)]
+    limit: Limit,
     #[command(flatten)]
     serial: FromSerial,
     /// The template file [default: the embedded set]
@@ -59,7 +61,7 @@ impl Run {
             let name = file.map_or("the embedded templates".to_owned(), |f| f.display().to_string());
             Error::Usage(format!("{name}: {cause}"))
         })?;
-        let input = input.open()?;
+        let input = self.limit.apply(input.open()?);
         if let Some(folder) = &self.overlay {
             std::fs::create_dir_all(folder).map_err(|cause| Error::Write { path: folder.clone(), cause })?;
         }
