@@ -7,6 +7,7 @@ mod capi;
 mod ci;
 mod conformance;
 mod elf;
+mod endurance;
 mod firmware;
 mod golden;
 mod instructions;
@@ -48,6 +49,7 @@ Tasks:
   golden --check    makes it elsewhere and compares it byte for byte with what is committed
   conformance       compares the stages' bits with the golden ones, all stages with their truth, fixed point with
                     float, and the stages of `pldi` with the reference on real recordings
+  endurance [MINUTES]   records 10 minutes at 30 Hz and recognises them: memory and time; not part of ci
   conformance --renew   the same without the reference, and writes docs/conformance.md
   help              this text
 
@@ -71,6 +73,11 @@ fn main() -> ExitCode {
         ["capi", "--install", prefix] => capi::install(&mut report, prefix, None),
         ["capi", "--install", prefix, "--target", target] => capi::install(&mut report, prefix, Some(target)),
         ["instructions"] => instructions::run(&mut report),
+        ["endurance"] => endurance::run(&mut report, 10),
+        ["endurance", minutes] => match minutes.parse() {
+            Ok(minutes @ 1..=600) => endurance::run(&mut report, minutes),
+            _ => return usage(),
+        },
         ["robot"] => robot::run(&mut report, robot::Extent::Short),
         ["robot", "--all"] => robot::run(&mut report, robot::Extent::All),
         ["firmware", ref words @ ..] => match firmware::Options::parse(words) {
