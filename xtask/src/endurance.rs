@@ -20,7 +20,8 @@ const GROWTH: u64 = 4096;
 
 /// Records so many minutes as MCAP and takes them through the pipeline on one thread.
 pub(crate) fn run(report: &mut Report, minutes: u32) {
-    report.step(&format!("{minutes} minutes at {RATE} Hz"), || {
+    let name = format!("{minutes} minutes at {RATE} Hz");
+    report.step(&name, || {
         if !Path::new("/proc/self/status").exists() {
             return Outcome::missing_tool("memory and time are read from /proc, which only Linux has".into());
         }
