@@ -11,6 +11,7 @@ const CORE_FEATURES: [&str; 3] = ["defmt", "nalgebra", "approx-math"];
 pub(crate) fn run(report: &mut Report) {
     step(report, "format", "fmt --all -- --check");
     step(report, "format, firmware images", "fmt --manifest-path tests/firmware/Cargo.toml -- --check");
+    step(report, "format, fuzz targets", "fmt --manifest-path tests/fuzz/Cargo.toml -- --check");
     step(report, "clippy", "clippy --workspace --all-targets --locked -- -D warnings");
     // Not among all targets: it is no part of `cargo test`.
     step(report, "clippy, conformance suite", "clippy -p pldi-host --test conformance --locked -- -D warnings");

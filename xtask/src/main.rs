@@ -9,6 +9,7 @@ mod conformance;
 mod elf;
 mod endurance;
 mod firmware;
+mod fuzz;
 mod golden;
 mod instructions;
 mod nofloat;
@@ -51,6 +52,9 @@ Tasks:
                     float, and the stages of `pldi` with the reference on real recordings
   endurance [MINUTES]   records 10 minutes at 30 Hz and recognises them: memory and time; not part of ci
   conformance --renew   the same without the reference, and writes docs/conformance.md
+  fuzz [--seconds N] [TARGET...]   looks for inputs that a reader of foreign bytes does not stand (cargo-fuzz), 60 s for
+                    each target of tests/fuzz; not part of ci
+  fuzz --corpus     the targets on their corpus alone, without cargo-fuzz; one of the tests
   help              this text
 
 Environment:
@@ -82,6 +86,10 @@ fn main() -> ExitCode {
         ["robot", "--all"] => robot::run(&mut report, robot::Extent::All),
         ["firmware", ref words @ ..] => match firmware::Options::parse(words) {
             Some(options) => firmware::run(&mut report, options),
+            None => return usage(),
+        },
+        ["fuzz", ref words @ ..] => match fuzz::Options::parse(words) {
+            Some(options) => fuzz::run(&mut report, &options),
             None => return usage(),
         },
         ["size"] => size::run(&mut report, golden::Mode::Check),

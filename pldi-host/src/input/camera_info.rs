@@ -36,7 +36,8 @@ pub fn read_camera_info(path: &Path) -> Result<Intrinsics, Error> {
     parse(path, &files::read_text(path, MAX_BYTES)?)
 }
 
-fn parse(path: &Path, text: &str) -> Result<Intrinsics, Error> {
+/// The same of a file's text; `path` names it in messages.
+pub(super) fn parse(path: &Path, text: &str) -> Result<Intrinsics, Error> {
     let content = |reason: String| Error::Content { path: path.to_owned(), reason };
     let info: CameraInfo = serde_saphyr::from_str(text).map_err(|e| {
         // The first line says what and where; the rest is an excerpt of the file.

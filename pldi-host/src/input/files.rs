@@ -26,7 +26,12 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
 
 /// The same for text in UTF-8, without a byte order mark.
 pub(crate) fn read_text(path: &Path, limit: u64) -> Result<String, Error> {
-    let mut text = String::from_utf8(read(path, limit)?).map_err(|e| {
+    text(path, read(path, limit)?)
+}
+
+/// The same of a file's bytes.
+pub(super) fn text(path: &Path, bytes: Vec<u8>) -> Result<String, Error> {
+    let mut text = String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
         Error::Content { path: path.to_owned(), reason: format!("not text: byte {at} is not UTF-8") }
     })?;

@@ -23,7 +23,12 @@ pub(crate) struct Pixels<T> {
 
 /// Reads an 8-bit colour or grey image (PNG or JPEG) as RGB; transparency is dropped.
 pub(crate) fn read_colour(path: &Path) -> Result<Pixels<u8>, Error> {
-    let (width, height, image) = decode(path, |_, colour| match colour {
+    decode_colour(path, &files::read(path, MAX_FILE_BYTES)?)
+}
+
+/// The same of a file's bytes; `path` names them in messages.
+pub(crate) fn decode_colour(path: &Path, bytes: &[u8]) -> Result<Pixels<u8>, Error> {
+    let (width, height, image) = decode(path, bytes, |_, colour| match colour {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => Ok(()),
         other => Err(format!("a colour image must have 8 bits a channel, this one is {other:?}")),
     })?;
@@ -32,7 +37,12 @@ pub(crate) fn read_colour(path: &Path) -> Result<Pixels<u8>, Error> {
 
 /// Reads a 16-bit grey PNG as it is.
 pub(crate) fn read_depth(path: &Path) -> Result<Pixels<u16>, Error> {
-    let (width, height, image) = decode(path, |format, colour| match (format, colour) {
+    decode_depth(path, &files::read(path, MAX_FILE_BYTES)?)
+}
+
+/// The same of a file's bytes; `path` names them in messages.
+pub(crate) fn decode_depth(path: &Path, bytes: &[u8]) -> Result<Pixels<u16>, Error> {
+    let (width, height, image) = decode(path, bytes, |format, colour| match (format, colour) {
         (ImageFormat::Png, ColorType::L16) => Ok(()),
         (_, ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8) => Err(
             "a depth image must be a 16-bit grey PNG, this one has 8 bits a channel: it was made for looking at and \
@@ -54,13 +64,13 @@ fn content(path: &Path, reason: impl Into<String>) -> Error {
 /// Decodes a PNG or JPEG whose size is acceptable and whose kind `accept` approves, before memory is taken for it.
 fn decode(
     path: &Path,
+    bytes: &[u8],
     accept: impl FnOnce(ImageFormat, ColorType) -> Result<(), String>,
 ) -> Result<(u16, u16, DynamicImage), Error> {
-    let bytes = files::read(path, MAX_FILE_BYTES)?;
-    let complete = match image::guess_format(&bytes) {
-        Ok(ImageFormat::Png) => png_is_complete(&bytes),
-        Ok(ImageFormat::Jpeg) => jpeg_is_complete(&bytes),
-        _ if b"\x89PNG\r\n\x1a\n".starts_with(&bytes) => false,
+    let complete = match image::guess_format(bytes) {
+        Ok(ImageFormat::Png) => png_is_complete(bytes),
+        Ok(ImageFormat::Jpeg) => jpeg_is_complete(bytes),
+        _ if b"\x89PNG\r\n\x1a\n".starts_with(bytes) => false,
         _ => return Err(content(path, "neither a PNG nor a JPEG image")),
     };
     if !complete {
@@ -75,7 +85,7 @@ fn decode(
     let damaged = |e: image::ImageError| content(path, format!("the image is damaged: {e}"));
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_DECODED_BYTES);
-    let mut reader = ImageReader::new(Cursor::new(&bytes));
+    let mut reader = ImageReader::new(Cursor::new(bytes));
     reader.limits(limits);
     let reader = reader.with_guessed_format().map_err(|cause| Error::Read { path: path.to_owned(), cause })?;
     let format = reader.format().unwrap_or(ImageFormat::Png);

@@ -6,6 +6,8 @@ pub(crate) mod ahead;
 mod camera_info;
 pub(crate) mod files;
 mod folder;
+#[doc(hidden)]
+pub mod fuzz;
 pub(crate) mod image;
 mod intrinsics;
 mod lists;

@@ -72,18 +72,17 @@ impl TriangleMesh {
     /// # Errors
     /// `Usage` for other extensions, else what is wrong with the file.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        let parse = match extension.as_str() {
-            "off" => off::parse,
-            "obj" => obj::parse,
-            "stl" => stl::parse,
-            "ply" => ply::parse,
-            _ => {
-                let text = format!("{}: meshes are read from .off, .obj, .stl and .ply files", path.display());
-                return Err(Error::Usage(text));
-            }
-        };
+        let parse = reader(path)?;
         let (vertices, triangles) = parse(path, &files::read(path, MAX_BYTES)?)?;
+        Self::new(path, vertices, triangles)
+    }
+
+    /// The same of a file's bytes: `path` gives the extension, and the name in messages.
+    ///
+    /// # Errors
+    /// As [`TriangleMesh::read`].
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, Error> {
+        let (vertices, triangles) = reader(path)?(path, bytes)?;
         Self::new(path, vertices, triangles)
     }
 
@@ -117,6 +116,24 @@ impl TriangleMesh {
 
 /// Vertices and triangles as read, not yet checked.
 type Parts = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
+/// What makes a mesh of a file's bytes; the path is for messages.
+type Reader = fn(&Path, &[u8]) -> Result<Parts, Error>;
+
+/// What reads a file with the extension of `path`.
+fn reader(path: &Path) -> Result<Reader, Error> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    match extension.as_str() {
+        "off" => Ok(off::parse),
+        "obj" => Ok(obj::parse),
+        "stl" => Ok(stl::parse),
+        "ply" => Ok(ply::parse),
+        _ => {
+            let text = format!("{}: meshes are read from .off, .obj, .stl and .ply files", path.display());
+            Err(Error::Usage(text))
+        }
+    }
+}
 
 /// Adds a polygon as a fan about its first corner; fewer than three corners (points, edges) add nothing.
 fn push_fan(triangles: &mut Vec<[u32; 3]>, corners: &[u32]) {
