@@ -5,14 +5,14 @@ use std::path::Path;
 
 use pldi_core::Intrinsics;
 
-use super::{camera_info, files, image, lists};
+use super::{Stamp, camera_info, files, image, lists};
 use crate::Error;
 
 /// Width, height and values of a decoded image.
 pub type Image<T> = (u16, u16, Vec<T>);
 
 /// Stamp, colour image and depth image of a listed frame.
-pub type Frame = (f64, Option<String>, String);
+pub type Frame = (Stamp, Option<String>, String);
 
 /// A colour image.
 ///

@@ -8,7 +8,7 @@ pub fn image(bytes: &[u8]) {
         let pixels = usize::from(w) * usize::from(h);
         assert_eq!(rgb.len(), 3 * pixels);
         if let Some(k) = factor(w, h) {
-            let (depth, rgb) = reduce(&vec![1000; pixels], rgb, k);
+            let (depth, rgb) = reduce(&vec![1000; pixels], &rgb, k);
             assert_eq!((depth.len(), rgb.len()), (320 * 240, 3 * 320 * 240));
         }
     }
@@ -16,7 +16,7 @@ pub fn image(bytes: &[u8]) {
         let pixels = usize::from(w) * usize::from(h);
         assert_eq!(depth.len(), pixels);
         if let Some(k) = factor(w, h) {
-            let (depth, rgb) = reduce(&depth, vec![0; 3 * pixels], k);
+            let (depth, rgb) = reduce(&depth, &vec![0; 3 * pixels], k);
             assert_eq!((depth.len(), rgb.len()), (320 * 240, 3 * 320 * 240));
         }
     }

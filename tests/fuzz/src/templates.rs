@@ -34,7 +34,6 @@ fn walk(bytes: &[u8]) {
         assert!(!set.class_name(class).is_empty());
     }
     assert_eq!(set.iter().count(), set.len());
-    assert_eq!(set.is_empty(), set.len() == 0);
     for template in set.iter() {
         assert!(usize::from(template.class()) < set.classes().len());
         assert!(usize::from(template.object()) < set.objects().len());

@@ -11,7 +11,9 @@ pub fn associations(bytes: &[u8]) {
     // Each takes four fields of a line.
     assert!(frames.len() <= bytes.len().div_ceil(8));
     for (stamp, colour, depth) in &frames {
-        assert!(stamp.is_finite() && !depth.is_empty() && colour.as_ref().is_some_and(|name| !name.is_empty()));
+        assert!(!depth.is_empty() && colour.as_ref().is_some_and(|name| !name.is_empty()));
+        assert_eq!(stamp.to_string().parse(), Ok(*stamp));
+        assert!(stamp.seconds().is_finite());
     }
     let names: Vec<&str> = frames.iter().take(8).map(|frame| frame.2.as_str()).collect();
     is_an_order(&names);
