@@ -13,7 +13,7 @@ mod tolerance;
 
 use std::time::Duration;
 
-pub(crate) use self::board::Board;
+pub(crate) use self::board::{Board, cpu};
 pub(crate) use self::build::build;
 pub(crate) use self::qemu::{command, qemu};
 

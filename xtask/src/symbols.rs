@@ -3,10 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::elf;
 use crate::nostd::{self, Toolchain};
 use crate::process::{program, root, run as run_command, target_dir};
 use crate::report::Outcome;
+use crate::{elf, firmware};
 
 /// A program of `tests/symbols`, built for a target, with a feature that puts something in which a check must find.
 #[derive(Debug, Clone, Copy)]
@@ -32,24 +32,28 @@ impl Program {
     fn build(&self, toolchain: Toolchain) -> Outcome {
         let Self { name, target, feature } = self;
         let line =
-            format!("build --release --locked --manifest-path tests/symbols/Cargo.toml --target {target} --bin {name}");
+            format!("rustc --release --locked --manifest-path tests/symbols/Cargo.toml --target {target} --bin {name}");
         let mut command = nostd::cargo_for(toolchain, &line, &folder());
         if !feature.is_empty() {
             command.arg("--features").arg(feature);
         }
         let variable = format!("CARGO_TARGET_{}", target.to_uppercase().replace('-', "_"));
-        // The program starts nowhere: what must be kept is named.
-        command.env(format!("{variable}_RUSTFLAGS"), "-Clink-arg=--entry=entry");
+        if let Some(cpu) = firmware::cpu(target) {
+            command.env(format!("{variable}_RUSTFLAGS"), format!("-Ctarget-cpu={cpu}"));
+        }
         if let Some(linker) = rust_lld() {
             command.env(format!("{variable}_LINKER"), linker);
         }
+        // The program starts nowhere: what must be kept is named.
+        command.args(["--", "-Clink-arg=--entry=entry"]);
         run_command(&mut command)
     }
 }
 
-/// Where all of them are built: one after the other, with a feature in the place of the same without.
+/// Where all of them are built: one after the other, with a feature in the place of the same without. The firmware images
+/// are built there with the same flags, so that `core` is built once for both.
 fn folder() -> PathBuf {
-    target_dir().join("symbols")
+    target_dir().join("firmware")
 }
 
 /// The linker that comes with the compiler in use; Debian's compiler comes without.

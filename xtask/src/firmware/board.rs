@@ -59,6 +59,11 @@ pub(crate) const BOARDS: [Board; 5] = [
     },
 ];
 
+/// What code for a target is made for, where a board says so.
+pub(crate) fn cpu(target: &str) -> Option<&'static str> {
+    BOARDS.iter().find(|board| board.target == target).map(|board| board.cpu).filter(|cpu| !cpu.is_empty())
+}
+
 impl Board {
     /// The one that firm limits are set for.
     pub(crate) const CORTEX_M7: Self = BOARDS[0];
