@@ -158,6 +158,9 @@ pub enum Error {
         /// What is wrong with it.
         cause: pldi_core::TemplateError,
     },
+    /// The system gave no thread to read frames with.
+    #[error("cannot start a thread: {0}; end other programs, or raise the limit of threads (ulimit -u)")]
+    Thread(io::Error),
     /// The user or a signal ended the work.
     #[error("interrupted")]
     Interrupted,

@@ -13,7 +13,7 @@ const AHEAD: usize = 4;
 /// ended when this returns, whether `body` took all frames or not.
 ///
 /// # Errors
-/// `Read` where the system gives no thread.
+/// `Thread`.
 pub(crate) fn with_frames<R>(
     mut source: Box<dyn Source>,
     stop: &Stop,
@@ -34,10 +34,7 @@ pub(crate) fn with_frames<R>(
                 }
             }
         };
-        std::thread::Builder::new()
-            .name("frames".into())
-            .spawn_scoped(scope, read())
-            .map_err(|cause| Error::Read { path: "a thread for the frames".into(), cause })?;
+        std::thread::Builder::new().name("frames".into()).spawn_scoped(scope, read()).map_err(Error::Thread)?;
         let result = body(receive);
         enough.raise();
         Ok(result)
