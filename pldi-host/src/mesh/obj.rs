@@ -42,13 +42,13 @@ fn geometry(text: &str) -> Vec<u8> {
     while let Some(line) = lines.next() {
         let mut line = Cow::Borrowed(line.split('#').next().unwrap_or_default().trim_end());
         let mut joined = 0;
-        while let Some(begin) = line.strip_suffix('\\') {
-            let begin = begin.to_owned();
-            let Some(next) = lines.next() else {
-                line = Cow::Owned(begin);
-                break;
-            };
-            line = Cow::Owned(begin + " " + next.trim_end());
+        // Appended to, not copied: a line may go on in every other one.
+        while line.ends_with('\\') {
+            let line = line.to_mut();
+            line.pop();
+            let Some(next) = lines.next() else { break };
+            line.push(' ');
+            line.push_str(next.trim_end());
             joined += 1;
         }
         let mut fields = line.split_whitespace();
@@ -112,6 +112,13 @@ mod tests {
         }
         // Texture indices out of range, far enough to overflow, do not matter.
         assert!(read("v 0 0 0\nvt 0 0\nf 1/-9223372036854775807 1/9 1/0\n").is_ok());
+    }
+
+    #[test]
+    fn a_line_that_goes_on_and_on_is_read_in_one_go() {
+        // 2 MB: copied from line to line it would be 2 TB.
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf {}1 2 3\n", "\\\n".repeat(1 << 20));
+        assert_eq!(read(&text).unwrap().triangles(), [[0, 1, 2]]);
     }
 
     proptest! {
