@@ -98,7 +98,22 @@ fn decode(
     let size = (u16::try_from(width), u16::try_from(height));
     let (Ok(w), Ok(h)) = size else { return Err(unsupported()) };
     accept(format, decoder.color_type()).map_err(|reason| content(path, reason))?;
+    if u64::from(width) * u64::from(height) > most_pixels(format, bytes.len()) {
+        let reason = format!("the image is damaged: its {} bytes cannot hold {width}x{height} pixels", bytes.len());
+        return Err(content(path, reason));
+    }
     Ok((w, h, DynamicImage::from_decoder(decoder).map_err(damaged)?))
+}
+
+/// How many pixels a file can hold at most: a header is not trusted with memory for more.
+fn most_pixels(format: ImageFormat, bytes: usize) -> u64 {
+    let each = match format {
+        // A bit each at least, which deflate makes 1032 times shorter at most.
+        ImageFormat::Png => 8 * 1032,
+        // A bit for a block of 64, and one block for four where the brightness is sampled less than the colour.
+        _ => 8 * 64 * 4,
+    };
+    bytes as u64 * each
 }
 
 /// Whether a PNG's chunks go on to IEND.
@@ -235,6 +250,23 @@ mod tests {
         bytes[29..33].copy_from_slice(&crc.to_be_bytes());
         let error = read_depth(&save(&folder, &bytes)).unwrap_err().to_string();
         assert!(error.contains("image.bin"), "{error}");
+    }
+
+    #[test]
+    fn a_short_file_cannot_hold_a_large_image() {
+        let mut bytes = png(1, 1, ExtendedColorType::L16, &[0; 2]);
+        bytes[16..24].copy_from_slice(&[0, 0, 0x14, 0, 0, 0, 0x0f, 0]);
+        let crc = crc32(&bytes[12..29]);
+        bytes[29..33].copy_from_slice(&crc.to_be_bytes());
+        let error = decode_depth(Path::new("image.bin"), &bytes).unwrap_err().to_string();
+        assert!(error.contains("cannot hold 5120x3840 pixels"), "{error}");
+        // What deflate can do to the largest image, all of one colour, passes.
+        let flat = png(5120, 3840, ExtendedColorType::L8, &vec![9; 5120 * 3840]);
+        assert!(decode_colour(Path::new("image.bin"), &flat).is_ok(), "{} bytes", flat.len());
+        let mut jpeg = Vec::new();
+        let encoder = JpegEncoder::new_with_quality(&mut jpeg, 1);
+        encoder.write_image(&vec![9; 5120 * 3840], 5120, 3840, ExtendedColorType::L8).unwrap();
+        assert!(decode_colour(Path::new("image.bin"), &jpeg).is_ok(), "{} bytes", jpeg.len());
     }
 
     fn crc32(bytes: &[u8]) -> u32 {
