@@ -197,3 +197,8 @@ impl Error {
         if self.is_usage() { 2 } else { 1 }
     }
 }
+
+/// The beginning of what a file says, for a message: a line may be as long as the file.
+pub(crate) fn excerpt(text: &str) -> String {
+    text.chars().take(40).collect()
+}

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::files;
 use super::intrinsics::checked;
 use crate::Error;
-use crate::error::IntrinsicsOrigin;
+use crate::error::{IntrinsicsOrigin, excerpt};
 
 /// A calibration has 20 lines.
 const MAX_BYTES: u64 = 1 << 20;
@@ -76,10 +76,13 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Intrinsics, Error> {
         return Err(Error::Intrinsics { origin, name: "distortion_coefficients.data", value, reason });
     }
     if distortion.iter().any(|&d| d != 0.0) {
-        let model = info.distortion_model.as_deref().unwrap_or("unnamed");
+        let model = excerpt(info.distortion_model.as_deref().unwrap_or("unnamed"));
+        // No model has more than 14.
+        let distortion = &distortion[..distortion.len().min(14)];
         tracing::warn!(
-            "{}: the lens distortion ({model} {distortion:?}) is not undone; rectify the recording where it matters",
-            path.display()
+            "{}: the lens distortion ({} {distortion:?}) is not undone; rectify the recording where it matters",
+            path.display(),
+            model.escape_debug()
         );
     }
     Ok(intrinsics)

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::Stamp;
 use crate::Error;
+use crate::error::excerpt;
 
 /// Colour and depth taken 0.02 s apart or more are not one frame (the limit of TUM's associate.py).
 pub(super) const MAX_APART: u64 = 20_000_000;
@@ -47,7 +48,7 @@ fn stamp(path: &Path, line: usize, text: &str) -> Result<Stamp, Error> {
     text.parse().map_err(|()| Error::Line {
         path: path.to_owned(),
         line,
-        reason: format!("{text:?} is not a time stamp in seconds"),
+        reason: format!("{:?} is not a time stamp in seconds", excerpt(text)),
     })
 }
 

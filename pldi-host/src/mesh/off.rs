@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{Parts, push_fan};
 use crate::Error;
+use crate::error::excerpt;
 
 /// Lines without comments and blank ones, with their numbers from 1.
 struct Lines<'a> {
@@ -85,11 +86,6 @@ fn header(lines: &mut Lines<'_>) -> Result<(usize, usize), Error> {
         (Some(Ok(n)), Some(Ok(m))) => Ok((n, m)),
         _ => Err(lines.wrong(format!("{:?} are not the numbers of vertices and faces", excerpt(counts)))),
     }
-}
-
-/// The beginning of a line, for a message.
-fn excerpt(line: &str) -> String {
-    line.chars().take(40).collect()
 }
 
 #[cfg(test)]
