@@ -4,12 +4,16 @@
 
 mod image;
 mod mesh;
+mod pairs;
 pub mod serial;
 mod templates;
 mod text;
 
+use std::fmt::Display;
+
 pub use image::image;
 pub use mesh::{obj, off, ply, stl};
+pub use pairs::pairs;
 pub use serial::{serial_device, serial_host};
 pub use templates::templates;
 pub use text::{associations, camera_info, intrinsics, lists};
@@ -26,9 +30,16 @@ pub const TARGETS: &[Target] = &[
     ("lists", lists),
     ("obj", obj),
     ("off", off),
+    ("pairs", pairs),
     ("ply", ply),
     ("serial_device", serial_device),
     ("serial_host", serial_host),
     ("stl", stl),
     ("templates", templates),
 ];
+
+/// What a reader refuses with: a sentence that names the file, however long or strange the file is.
+fn refused(error: &impl Display, name: &str) {
+    let text = error.to_string();
+    assert!(text.contains(name) && text.chars().count() < 600 && !text.chars().any(char::is_control), "{text:?}");
+}
