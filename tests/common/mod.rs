@@ -72,15 +72,20 @@ pub fn folder() -> TempDir {
     tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary folder")
 }
 
-/// Three generated frames of 640x480, rendered once per test binary.
+/// Three generated frames of 640x480.
+pub fn frames() -> Recording {
+    let mut recording = Recording::demo();
+    recording.path = recording.path.into_iter().skip(2).step_by(3).take(3).collect();
+    recording
+}
+
+/// These frames as a recording, rendered once per test binary.
 pub fn recording() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
         // Each binary has a folder of its own; what a former run left there is replaced.
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(concat!(env!("CARGO_CRATE_NAME"), "-recording"));
-        let mut recording = Recording::demo();
-        recording.path = recording.path.into_iter().skip(2).step_by(3).take(3).collect();
-        write_tum(&recording, "generated", &folder).expect("the recording is written");
+        write_tum(&frames(), "generated", &folder).expect("the recording is written");
         folder
     })
 }

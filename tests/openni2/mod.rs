@@ -107,6 +107,8 @@ pub fn film(recording: &Recording) -> Vec<u8> {
     film.extend(fov(of.width as u32, of.fx).to_le_bytes());
     film.extend(fov(of.height as u32, of.fy).to_le_bytes());
     for frame in recording.frames() {
+        // OpenNI2's recorder spoils readings from the sensor's greatest on.
+        assert!(frame.capture.depth.iter().all(|&mm| mm < 10_000), "too far for the sensor");
         film.extend(frame.capture.depth.iter().flat_map(|mm| mm.to_le_bytes()));
         film.extend(&frame.capture.colour);
     }

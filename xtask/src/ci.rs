@@ -12,9 +12,13 @@ pub(crate) fn run(report: &mut Report) {
     step(report, "format", "fmt --all -- --check");
     step(report, "format, firmware images", "fmt --manifest-path tests/firmware/Cargo.toml -- --check");
     step(report, "format, fuzz targets", "fmt --manifest-path tests/fuzz/Cargo.toml -- --check");
+    let driver = "--manifest-path tests/openni2/driver/Cargo.toml";
+    step(report, "format, OpenNI2 driver", &format!("fmt {driver} -- --check"));
     step(report, "clippy", "clippy --workspace --all-targets --locked -- -D warnings");
     // Not among all targets: it is no part of `cargo test`.
     step(report, "clippy, conformance suite", "clippy -p pldi-host --test conformance --locked -- -D warnings");
+    let line = format!("clippy {driver} --target-dir target/openni2 --all-targets --locked -- -D warnings");
+    step(report, "clippy, OpenNI2 driver", &line);
     for feature in CORE_FEATURES {
         let line = format!("clippy -p pldi-core --all-targets --locked --features {feature} -- -D warnings");
         step(report, &format!("clippy, pldi-core with {feature}"), &line);

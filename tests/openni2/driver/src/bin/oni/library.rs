@@ -265,6 +265,11 @@ impl Stream<'_> {
         self.0.check(code, "start")
     }
 
+    /// Stops it.
+    pub fn stop(&self) {
+        call!(self.0, "oniStreamStop", (self.1 => *mut c_void) -> ());
+    }
+
     /// The image that is there.
     pub fn read(&self) -> Result<Image, String> {
         let mut frame = ptr::null_mut::<Frame>();

@@ -4,6 +4,7 @@
 //! oni list                        names of the devices
 //! oni record FILE WIDTH FRAMES    records so many frames of each stream of the first device, losslessly
 //! oni take URI FILM WIDTH FRAMES  writes so many frames of a device, or all of a file, as a film
+//! oni take-raw FILM FRAMES        so many frames as the first device gives them when it is told nothing
 //! oni survive FRAMES              reads so many depth images over unplugging and plugging in
 //! ```
 
@@ -25,8 +26,9 @@ fn main() -> ExitCode {
         ["list"] => list(),
         ["record", file, width, frames] => record(file, number(width), number(frames)),
         ["take", uri, film, width, frames] => take(uri, film, number(width), number(frames)),
+        ["take-raw", film, frames] => take_raw(film, number(frames)),
         ["survive", frames] => survive(number(frames)),
-        _ => Err("usage: oni list | record FILE WIDTH FRAMES | take URI FILM WIDTH FRAMES | survive FRAMES".into()),
+        _ => Err("usage: oni list | record FILE WIDTH FRAMES | take URI FILM WIDTH FRAMES | take-raw FILM FRAMES | survive FRAMES".into()),
     };
     result.map_or_else(
         |error| {
@@ -93,8 +95,8 @@ fn record(file: &str, width: usize, frames: usize) -> Result<(), String> {
         recorder.attach(stream)?;
     }
     recorder.start()?;
-    // The recorder works in a thread of its own and takes nothing before it has got the message.
-    thread::sleep(Duration::from_millis(300));
+    // The recorder works in a thread of its own, takes nothing before it has got the message, and does not say when.
+    thread::sleep(Duration::from_millis(500));
     start(&device, &streams)?;
     let images = read(&library, &streams, frames)?;
     drop(recorder);
@@ -115,9 +117,27 @@ fn take(uri: &str, film: &str, width: usize, frames: usize) -> Result<(), String
     } else {
         start(&device, &streams)?;
     }
+    write(&library, &streams, film, frames)
+}
+
+fn take_raw(film: &str, frames: usize) -> Result<(), String> {
+    let library = Library::new()?;
+    let device = library.open(&first(&library)?)?;
+    let streams = [device.stream(DEPTH)?, device.stream(COLOR)?];
+    streams[0].start()?;
+    streams[1].start()?;
+    write(&library, &streams, film, frames)
+}
+
+/// Reads so many images of each stream and writes them as a film.
+fn write(library: &Library, streams: &[Stream<'_>; 2], film: &str, frames: usize) -> Result<(), String> {
     let [_, columns, rows, rate] = streams[0].get::<4>(VIDEO_MODE)?;
     let fov = [streams[0].get::<1>(FOV[0])?[0], streams[0].get::<1>(FOV[1])?[0]];
-    let [depth, color] = read(&library, &streams, frames)?;
+    let [depth, color] = read(library, streams, frames)?;
+    streams.iter().for_each(Stream::stop);
+    // The thread that plays a file goes through the list of its streams without a lock. Once they are stopped it sleeps
+    // nearly all the time; destroyed at once they take the process with them one time in a hundred.
+    thread::sleep(Duration::from_millis(50));
     if depth.len() != color.len() {
         return Err(format!("{} depth and {} colour images", depth.len(), color.len()));
     }
