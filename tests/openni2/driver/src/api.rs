@@ -6,10 +6,13 @@
 
 #![allow(unsafe_code, reason = "a C interface: pointers in, pointers out")]
 
+mod types;
+
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::ptr;
 use std::sync::{Arc, Mutex};
 
+use self::types::{DeviceInfo, Foreign, OnDevice, OnFrame, OnProperty, OnState, SensorInfo, Services, VideoMode};
 use crate::controls::Registration;
 use crate::device::{Device, Frame, Sink};
 use crate::driver::{Driver, URI, lock};
@@ -19,81 +22,6 @@ use crate::properties::{self, Failure};
 const OK: c_int = 0;
 const ERROR: c_int = 1;
 const UNSUPPORTED: c_int = 3;
-
-/// `OniDeviceInfo`.
-#[repr(C)]
-struct DeviceInfo {
-    uri: [c_char; 256],
-    vendor: [c_char; 256],
-    name: [c_char; 256],
-    vendor_id: u16,
-    product_id: u16,
-}
-
-/// `OniVideoMode`: pixel format, columns, rows, rate.
-type VideoMode = [c_int; 4];
-
-/// `OniSensorInfo`.
-#[repr(C)]
-struct SensorInfo {
-    sensor: c_int,
-    count: c_int,
-    modes: *const VideoMode,
-}
-
-/// `OniFrame`.
-#[repr(C)]
-struct OniFrame {
-    size: c_int,
-    data: *mut u8,
-    sensor: c_int,
-    timestamp: u64,
-    index: c_int,
-    width: c_int,
-    height: c_int,
-    mode: VideoMode,
-    cropped: c_int,
-    crop_origin: [c_int; 2],
-    stride: c_int,
-}
-
-/// `OniStreamServices`.
-#[repr(C)]
-struct Services {
-    library: *mut c_void,
-    default_size: extern "C" fn(*mut c_void) -> c_int,
-    acquire: extern "C" fn(*mut c_void) -> *mut OniFrame,
-    add_reference: extern "C" fn(*mut c_void, *mut OniFrame),
-    release: extern "C" fn(*mut c_void, *mut OniFrame),
-}
-
-type OnDevice = extern "C" fn(*const DeviceInfo, *mut c_void);
-type OnState = extern "C" fn(*const DeviceInfo, c_int, *mut c_void);
-type OnFrame = extern "C" fn(*mut StreamHandle, *mut OniFrame, *mut c_void);
-type OnProperty = extern "C" fn(*mut c_void, c_int, *const c_void, c_int, *mut c_void);
-
-/// A pointer of the library's that its other threads may use too.
-struct Foreign<T>(*mut T);
-
-impl<T> Clone for Foreign<T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for Foreign<T> {}
-
-// SAFETY: they are cookies and service tables of the library, which calls of any thread are meant to hand back.
-unsafe impl<T> Send for Foreign<T> {}
-// SAFETY: as above.
-unsafe impl<T> Sync for Foreign<T> {}
-
-impl<T> Foreign<T> {
-    /// The pointer; by a method, so that a closure takes the whole and not the bare pointer inside.
-    const fn get(self) -> *mut T {
-        self.0
-    }
-}
 
 /// What the library holds of an opened device.
 struct DeviceHandle {
@@ -122,14 +50,6 @@ const fn sensor(kind: Kind) -> c_int {
 
 fn status(result: Result<(), Failure>) -> c_int {
     result.map_or_else(|failure| failure as c_int, |()| OK)
-}
-
-fn text(text: &str) -> [c_char; 256] {
-    let mut field = [0; 256];
-    for (to, from) in field.iter_mut().zip(text.bytes()) {
-        *to = from as c_char;
-    }
-    field
 }
 
 /// Copies a property out.
@@ -184,13 +104,7 @@ extern "C" fn oniDriverDestroy() {
 extern "C" fn oniDriverInitialize(came: OnDevice, went: OnDevice, _state: OnState, cookie: *mut c_void) -> c_int {
     let cookie = Foreign(cookie);
     let announce = move |plugged: bool| {
-        let info = DeviceInfo {
-            uri: text(URI),
-            vendor: text("pldi"),
-            name: text("virtual sensor"),
-            vendor_id: 0x1d27,
-            product_id: 0x0601,
-        };
+        let info = DeviceInfo::new(URI, "pldi", "virtual sensor");
         let tell = if plugged { came } else { went };
         tell(&raw const info, cookie.get());
     };
