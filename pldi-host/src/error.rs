@@ -161,6 +161,9 @@ pub enum Error {
     /// The system gave no thread to read frames with.
     #[error("cannot start a thread: {0}; end other programs, or raise the limit of threads (ulimit -u)")]
     Thread(io::Error),
+    /// A sensor, or the library through which it is reached; says what to do.
+    #[error("{0}")]
+    Device(String),
     /// The user or a signal ended the work.
     #[error("interrupted")]
     Interrupted,

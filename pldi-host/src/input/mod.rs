@@ -12,6 +12,7 @@ pub(crate) mod image;
 mod intrinsics;
 mod lists;
 mod open;
+pub mod openni2;
 pub mod pair;
 mod prepare;
 mod reduce;

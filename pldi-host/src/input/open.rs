@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{DepthScale, Frame, IntrinsicsSpec, Preparation, RawFrame, Source, Stop, folder};
+use super::{DepthScale, Frame, IntrinsicsSpec, Preparation, RawFrame, Source, Stop, folder, openni2};
 use crate::Error;
 
 /// How to understand an input. Each format takes what concerns it.
@@ -82,7 +82,6 @@ enum Kind {
     #[expect(dead_code, reason = "no format yet")]
     Bag,
     /// A sensor.
-    #[expect(dead_code, reason = "no format yet")]
     Device,
 }
 
@@ -108,6 +107,8 @@ const FORMATS: &[Format] = &[
         open: folder::open,
     },
     Format { name: "a depth image (.png)", claims: is_image, kind: Kind::Files, open: folder::open_image },
+    Format { name: "OpenNI2's recording (.oni)", claims: openni2::is_file, kind: Kind::Files, open: openni2::open },
+    Format { name: "a sensor (openni2:)", claims: openni2::is_sensor, kind: Kind::Device, open: openni2::open },
 ];
 
 /// Whether a file's name ends so, in capitals or not.

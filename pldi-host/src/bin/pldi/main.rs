@@ -7,6 +7,7 @@ mod args;
 mod bench;
 mod demo;
 mod describe;
+mod devices;
 mod inspect;
 mod print;
 mod progress;
@@ -42,6 +43,8 @@ enum Command {
     Record(record::Record),
     /// Tell what a recording is like, and whether its depth belongs to its colour
     Inspect(inspect::Inspect),
+    /// List the sensors that are there, with their modes
+    Devices(devices::Devices),
     /// Write every stage of one frame as files
     Stages(stages::Stages),
     /// Print the 58 numbers of a 128x128 16-bit image as JSON
@@ -76,6 +79,7 @@ fn main() -> ExitCode {
         Command::Run(command) => command.run(),
         Command::Record(command) => command.run(),
         Command::Inspect(command) => command.run(),
+        Command::Devices(command) => command.run(),
         Command::Stages(command) => command.run(),
         Command::Describe(command) => command.run(),
         Command::Match(command) => command.run(),
