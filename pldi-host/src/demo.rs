@@ -65,7 +65,7 @@ pub fn recognise<E: From<Error>>(
     job: &Job<'_>,
     mut sink: impl FnMut(usize, Shown) -> Result<bool, E>,
 ) -> Result<(), E> {
-    let look = |seen: &Processed<'_>| {
+    let look = |seen: &mut Processed<'_>| {
         let (templates, frame) = (job.templates, &seen.frame.qvga);
         let picture = overlay::draw(seen, templates).to_png()?;
         let verdicts = match truth.get(frame.index) {
@@ -98,7 +98,7 @@ pub fn composite(
     let report = FrameReport::new(qvga, &workspace.report, &engine, templates);
     let images = &mut frame.images;
     images.colour = images.colour.take().map(|rgb| calm(&rgb, images.size.0.into()));
-    let seen = Processed { frame: &frame, engine: &engine, workspace: &workspace, report: &report };
+    let seen = Processed { frame: &frame, engine: &mut engine, workspace: &mut workspace, report: &report };
     let right = overlay::draw(&seen, templates);
     engine.diffuse_all(&mut workspace);
     let (width, height) = right.dimensions();

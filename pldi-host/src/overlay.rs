@@ -6,12 +6,12 @@ mod canvas;
 mod floor;
 mod text;
 
-use embedded_graphics::pixelcolor::Rgb888;
+use embedded_graphics::pixelcolor::{Rgb888, RgbColor as _};
 use pldi_core::templates::Templates;
 
 pub use canvas::Canvas;
 
-use crate::report::FrameReport;
+use crate::report::{DetectionReport, FrameReport};
 use crate::runner::Processed;
 
 /// Width and height of every picture in pixels, whatever the size of the recording's images.
@@ -36,8 +36,14 @@ const GREY: Rgb888 = Rgb888::new(165, 165, 165);
 
 /// The colour of the cluster of index `cluster`: candidates take the colours in turn; `None` for rejected ones.
 fn colour_of(report: &FrameReport, cluster: usize) -> Option<Rgb888> {
-    let rank = report.detections.iter().position(|d| d.id == cluster + 1)?;
+    let rank = report.detections.iter().position(|d| d.id == cluster.wrapping_add(1))?;
     Some(COLOURS[rank % COLOURS.len()])
+}
+
+/// The colour of a candidate in all pictures: red, green, blue.
+pub(crate) fn candidate_colour(report: &FrameReport, detection: &DetectionReport) -> [u8; 3] {
+    let colour = colour_of(report, detection.id.wrapping_sub(1)).unwrap_or(GREY);
+    [colour.r(), colour.g(), colour.b()]
 }
 
 /// Draws a processed frame; `templates` are those it was compared with.

@@ -1,6 +1,7 @@
 //! Recordings written from any source, frame by frame: a TUM-style folder or an MCAP file.
 
 mod folder;
+mod mcap;
 
 use std::path::Path;
 
@@ -48,6 +49,9 @@ pub fn create(path: &Path) -> Result<Box<dyn Recorder>, Error> {
             "it is there already; give another name, or remove it",
         );
         return Err(Error::Write { path: path.to_owned(), cause });
+    }
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap")) {
+        return Ok(Box::new(mcap::McapRecorder::create(path)?));
     }
     Ok(Box::new(folder::FolderRecorder::create(path)?))
 }

@@ -37,16 +37,25 @@ pub struct FrameResult<T> {
 }
 
 /// A frame that went through the pipeline, with everything the stages left behind.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub struct Processed<'a> {
     /// The frame.
     pub frame: &'a Frame,
     /// What it went through.
-    pub engine: &'a Engine,
+    pub engine: &'a mut Engine,
     /// What the stages left, the core's report included.
-    pub workspace: &'a QvgaWorkspace,
+    pub workspace: &'a mut QvgaWorkspace,
     /// What is reported.
     pub report: &'a FrameReport,
+}
+
+impl Processed<'_> {
+    /// N of the whole image, 65535 = 1, in place of the candidates' in the workspace; nothing else there changes. It
+    /// takes longer than all of the candidates.
+    pub fn whole_n(&mut self) -> &[u16] {
+        self.engine.diffuse_all(self.workspace);
+        self.workspace.images.n.as_flattened()
+    }
 }
 
 /// What a worker keeps from frame to frame: its memory, and the tables for the last frame's camera.
@@ -66,7 +75,7 @@ struct Worker {
 pub fn run<T: Send, E: From<Error>>(
     input: Input,
     job: &Job<'_>,
-    look: impl Fn(&Processed<'_>) -> Result<T, Error> + Sync,
+    look: impl Fn(&mut Processed<'_>) -> Result<T, Error> + Sync,
     sink: impl FnMut(usize, Result<FrameResult<T>, Error>) -> Result<bool, E>,
 ) -> Result<(), E> {
     let Job { arithmetic, params, templates, threads, stop } = *job;
@@ -83,7 +92,7 @@ pub fn run<T: Send, E: From<Error>>(
         let (engine, workspace) = (worker.engine.insert(engine), &mut worker.workspace);
         engine.run(&frame.qvga.as_frame().map_err(Error::core)?, templates, workspace)?;
         let report = FrameReport::new(&frame.qvga, &workspace.report, engine, templates);
-        let extra = look(&Processed { frame: &frame, engine, workspace, report: &report })?;
+        let extra = look(&mut Processed { frame: &frame, engine, workspace, report: &report })?;
         Ok(FrameResult { report, dropped: frame.dropped, extra })
     };
     let take = |frames: Receiver<_>| parallel::for_each_ordered(frames, threads, state, work, sink);

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pldi_core::Intrinsics;
 
 use super::intrinsics::Camera;
-use super::{Images, OpenOptions, QvgaFrame, RawFrame, read_camera_info, reduce};
+use super::{Images, OpenOptions, QvgaFrame, RawFrame, Stamp, read_camera_info, reduce};
 use crate::Error;
 use crate::error::IntrinsicsOrigin;
 use crate::record::Taken;
@@ -21,6 +21,8 @@ pub struct Frame {
     pub qvga: QvgaFrame,
     /// As it was taken.
     pub images: Images,
+    /// Time of the depth image.
+    pub stamp: Stamp,
     /// Where the intrinsics come from.
     pub origin: IntrinsicsOrigin,
     /// Frames lost between this and the one before.
@@ -80,9 +82,9 @@ impl Preparation {
         let depth = reduce::depth(&images.depth, factor, images.scale);
         self.check_scale(&name, &images, &depth);
         let colour = images.colour.as_ref().map(|values| reduce::colour(values, factor));
-        let (stamp, original_size, origin) = (stamp.seconds(), images.size, camera.origin());
-        let qvga = QvgaFrame { index, stamp, name, depth, colour, intrinsics, factor, original_size };
-        Ok(Frame { qvga, images, origin, dropped })
+        let (original_size, origin) = (images.size, camera.origin());
+        let qvga = QvgaFrame { index, stamp: stamp.seconds(), name, depth, colour, intrinsics, factor, original_size };
+        Ok(Frame { qvga, images, stamp, origin, dropped })
     }
 
     /// Decodes a frame and leaves it as it was taken, with the camera where that is known.

@@ -4,7 +4,9 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
 
 use crate::Error;
 
@@ -36,17 +38,83 @@ pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), Error> {
 }
 
 fn write_inner(path: &Path, content: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> io::Result<()> {
-    let fill = |file: &mut File| {
-        let mut out = BufWriter::new(file);
-        content(&mut out)?;
-        out.flush()
-    };
-    // Pipes and devices (/dev/stdout) cannot be replaced by a rename, and folders must not be.
-    match std::fs::metadata(path) {
-        Ok(target) if target.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-        Ok(target) if !target.is_file() => return fill(&mut File::options().write(true).open(path)?),
-        _ => {}
+    let mut pending = Pending::open(path)?;
+    let mut out = BufWriter::new(pending.file());
+    content(&mut out)?;
+    out.flush()?;
+    drop(out);
+    pending.rename()
+}
+
+/// A file that is being written, for those who write it bit by bit. It appears under its name when it is
+/// [kept](Self::keep); otherwise the old file, if there was one, stays.
+#[derive(Debug)]
+pub struct Pending {
+    path: PathBuf,
+    target: Target,
+}
+
+#[derive(Debug)]
+enum Target {
+    /// Pipes and devices (/dev/stdout) cannot be replaced by a rename.
+    Stream(File),
+    Temporary(NamedTempFile),
+}
+
+impl Pending {
+    /// Begins a file.
+    ///
+    /// # Errors
+    /// `Write` with the file's name.
+    pub fn create(path: &Path) -> Result<Self, Error> {
+        Self::open(path).map_err(|cause| Error::Write { path: path.to_owned(), cause })
     }
+
+    /// Lets the file appear under its name.
+    ///
+    /// # Errors
+    /// `Write` with the file's name.
+    pub fn keep(self) -> Result<(), Error> {
+        let path = self.path.clone();
+        self.rename().map_err(|cause| Error::Write { path, cause })
+    }
+
+    fn open(path: &Path) -> io::Result<Self> {
+        let target = match std::fs::metadata(path) {
+            Ok(target) if target.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+            Ok(target) if !target.is_file() => Target::Stream(File::options().write(true).open(path)?),
+            _ => Target::Temporary(temporary(path)?),
+        };
+        Ok(Self { path: path.to_owned(), target })
+    }
+
+    fn file(&mut self) -> &mut File {
+        match &mut self.target {
+            Target::Stream(file) => file,
+            Target::Temporary(file) => file.as_file_mut(),
+        }
+    }
+
+    fn rename(self) -> io::Result<()> {
+        match self.target {
+            Target::Stream(_) => Ok(()),
+            Target::Temporary(file) => Ok(file.persist(self.path).map(drop)?),
+        }
+    }
+}
+
+impl Write for Pending {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file().flush()
+    }
+}
+
+/// A temporary file beside `path`.
+fn temporary(path: &Path) -> io::Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -59,10 +127,7 @@ fn write_inner(path: &Path, content: impl FnOnce(&mut BufWriter<&mut File>) -> i
     // Temporary files are private by default; this one becomes an ordinary file, for which the umask decides.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut temporary = builder.tempfile_in(folder)?;
-    fill(temporary.as_file_mut())?;
-    temporary.persist(path)?;
-    Ok(())
+    builder.tempfile_in(folder)
 }
 
 #[cfg(test)]
@@ -84,6 +149,22 @@ mod tests {
         write_bytes(&path, b"second").unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"second");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "a temporary file was left");
+    }
+
+    #[test]
+    fn bit_by_bit_it_appears_when_it_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.bin");
+        let mut pending = Pending::create(&path).unwrap();
+        pending.write_all(b"given up").unwrap();
+        drop(pending);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        let mut pending = Pending::create(&path).unwrap();
+        pending.write_all(b"kept").unwrap();
+        assert!(!path.exists());
+        pending.keep().unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"kept");
+        assert!(Pending::create(folder.path()).unwrap_err().to_string().contains("directory"));
     }
 
     #[test]

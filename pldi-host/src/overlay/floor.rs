@@ -47,7 +47,7 @@ pub(super) fn draw(canvas: &mut Canvas, processed: &Processed<'_>, templates: &T
     let Ok(()) = whole.into_styled(PrimitiveStyle::with_fill(GROUND)).draw(canvas);
     head(canvas, processed, templates);
     let Some(floor) = &processed.workspace.report.floor else { return };
-    let engine = processed.engine;
+    let engine = &*processed.engine;
     density(canvas, processed);
     let area = SensoryArea::new(&engine.params().area, engine.intrinsics(), floor);
     rings(canvas, &area);

@@ -48,7 +48,7 @@ fn drawn(toy: Toy, arithmetic: ArithmeticKind) -> (FrameReport, Canvas) {
     let set = Templates::parse(&bytes).unwrap();
     let params = Params { view: *set.view_params(), ..Params::DEFAULT };
     let result = Mutex::new(None);
-    let look = |p: &Processed<'_>| Ok(draw(p, &set));
+    let look = |p: &mut Processed<'_>| Ok(draw(p, &set));
     let sink = |_: usize, r: Result<runner::FrameResult<Canvas>, Error>| {
         *result.lock().unwrap() = Some(r?);
         Ok::<_, Error>(true)

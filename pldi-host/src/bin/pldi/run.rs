@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use indicatif::ProgressBar;
 use pldi_core::templates::Templates;
 use pldi_host::output::atomic;
+use pldi_host::output::mcap::{FrameMessages, Results};
 use pldi_host::overlay;
 use pldi_host::runner::{self, FrameResult, Job, Processed};
 use pldi_host::{ArithmeticKind, Engine, Error};
@@ -35,6 +36,10 @@ pub struct Run {
     /// where it is missing
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
+    /// MCAP file (ROS 2) of the results, for a viewer to show beside the recording: the candidates as detections and as
+    /// markers, and the light-diffusion image of each frame
+    #[arg(long, value_name = "FILE")]
+    mcap: Option<PathBuf>,
     /// Leave out frames that fail and go on; the exit code is still 1
     #[arg(long)]
     keep_going: bool,
@@ -65,9 +70,11 @@ impl Run {
         if let Some(folder) = &self.overlay {
             std::fs::create_dir_all(folder).map_err(|cause| Error::Write { path: folder.clone(), cause })?;
         }
+        let mcap = self.mcap.as_deref().map(Results::create).transpose()?;
         let mut sink = Sink {
             keep_going: self.keep_going,
             overlay: self.overlay.as_deref(),
+            mcap,
             frames: 0,
             failed: 0,
             dropped: 0,
@@ -76,7 +83,7 @@ impl Run {
         if std::io::stderr().is_terminal() {
             sink.bar = Some(progress::bar(input.frames_left().map(|count| count as u64)));
         }
-        let look = |processed: &Processed<'_>| self.draw(&set, processed);
+        let look = |processed: &mut Processed<'_>| self.show(&set, processed);
         let (threads, stop) = (self.threads.count(), progress::stop());
         let job = Job { arithmetic, params: &params, templates: &set, threads, stop };
         let result = runner::run(input, &job, look, |i, r| sink.take(i, r));
@@ -86,7 +93,9 @@ impl Run {
         if sink.dropped > 0 {
             eprintln!("pldi: {} frames were lost between the {} that came", sink.dropped, sink.frames);
         }
+        let finished = sink.mcap.map_or(Ok(()), |file| file.end(result.is_ok()));
         result?;
+        finished?;
         // The source gave up waiting.
         anyhow::ensure!(!progress::interrupted(), Error::Interrupted);
         let (failed, count) = (sink.failed, sink.frames);
@@ -94,19 +103,26 @@ impl Run {
         Ok(())
     }
 
-    /// The frame's picture as a PNG file, where pictures are wanted.
-    fn draw(&self, set: &Templates<'_>, seen: &Processed<'_>) -> Result<Option<Vec<u8>>, Error> {
-        if self.overlay.is_none() {
-            return Ok(None);
-        }
-        Ok(Some(overlay::draw(seen, set).to_png()?))
+    /// What is shown of a frame beside its line.
+    fn show(&self, set: &Templates<'_>, seen: &mut Processed<'_>) -> Result<Shown, Error> {
+        let picture = self.overlay.as_ref().map(|_| overlay::draw(seen, set).to_png()).transpose()?;
+        let messages = self.mcap.as_ref().map(|_| FrameMessages::new(seen)).transpose()?;
+        Ok(Shown { picture, messages })
     }
+}
+
+/// What is shown of a frame, as far as it is wanted.
+struct Shown {
+    /// A PNG file.
+    picture: Option<Vec<u8>>,
+    messages: Option<FrameMessages>,
 }
 
 /// Where the results go.
 struct Sink<'a> {
     keep_going: bool,
     overlay: Option<&'a Path>,
+    mcap: Option<Results>,
     /// Number of frames that came.
     frames: usize,
     /// Number of them that failed.
@@ -119,13 +135,16 @@ struct Sink<'a> {
 
 impl Sink<'_> {
     /// Takes the result of frame `index`; whether to go on.
-    fn take(&mut self, index: usize, result: Result<FrameResult<Option<Vec<u8>>>, Error>) -> anyhow::Result<bool> {
+    fn take(&mut self, index: usize, result: Result<FrameResult<Shown>, Error>) -> anyhow::Result<bool> {
         self.frames += 1;
         match result {
             Ok(FrameResult { report, dropped, extra }) => {
                 self.dropped += dropped;
-                if let (Some(folder), Some(png)) = (self.overlay, extra) {
+                if let (Some(folder), Some(png)) = (self.overlay, extra.picture) {
                     atomic::write_bytes(&folder.join(format!("{index:04}.png")), &png)?;
+                }
+                if let (Some(file), Some(messages)) = (&mut self.mcap, extra.messages) {
+                    file.add(&messages)?;
                 }
                 let line = serde_json::to_string(&report)?;
                 self.say(|| print::line(line))?;

@@ -19,7 +19,7 @@ pub struct FromSerial {
     /// received, or - for stdin. Frames without a result, and what was corrupted on the way, are told on stderr
     #[arg(
         long = "from-serial", value_name = "PATH",
-        conflicts_with_all = ["input", "color", "depth", "info", "mode", "once", "frames", "depth_scale", "intrinsics", "camera_info", "overlay", "keep_going", "threads", "arithmetic", "filter", "floor", "framing", "descriptor"]
+        conflicts_with_all = ["input", "color", "depth", "info", "mode", "once", "frames", "depth_scale", "intrinsics", "camera_info", "overlay", "mcap", "keep_going", "threads", "arithmetic", "filter", "floor", "framing", "descriptor"]
     )]
     path: Option<PathBuf>,
     /// Rate of the serial port
