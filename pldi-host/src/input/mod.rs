@@ -19,6 +19,7 @@ mod reduce;
 mod scale;
 mod source;
 mod stamp;
+mod yuv;
 
 use pldi_core::Intrinsics;
 

@@ -151,7 +151,7 @@ impl Live {
         } else if silent > SILENT {
             match self.library.devices() {
                 Ok(devices) if !devices.iter().any(|device| device.uri == self.device.uri) => {
-                    self.lose("it is not listed")
+                    self.lose("it is not listed");
                 }
                 _ if !self.warned_silent => {
                     self.warned_silent = true;

@@ -2,7 +2,7 @@
 
 use super::facts::Frame;
 use super::{modes, sys};
-use crate::input::{DepthScale, Images, MAX_FACTOR};
+use crate::input::{DepthScale, Images, MAX_FACTOR, yuv};
 
 /// Images from a pair of frames, with the rows of those turned round that are `mirrored` (depth, colour).
 pub(super) fn images(depth: &Frame, colour: Option<&Frame>, mirrored: [bool; 2]) -> Result<Images, String> {
@@ -30,8 +30,13 @@ fn rgb(frame: &Frame, depth: (u16, u16), mirrored: bool) -> Result<Vec<u8>, Stri
             size.0, size.1, depth.0, depth.1
         ));
     }
+    if matches!(frame.format, sys::YUV422 | sys::YUYV) && !size.0.is_multiple_of(2) {
+        return Err(format!("colour of {} columns cannot be YUV 4:2:2", size.0));
+    }
     let mut values: Vec<u8> = match frame.format {
         sys::RGB888 => rows(frame, 3)?.flatten().copied().collect(),
+        sys::YUV422 => rows(frame, 2)?.flat_map(|row| yuv::to_rgb(row, yuv::Order::Uyvy)).collect(),
+        sys::YUYV => rows(frame, 2)?.flat_map(|row| yuv::to_rgb(row, yuv::Order::Yuyv)).collect(),
         sys::GRAY8 => rows(frame, 1)?.flatten().flat_map(|&grey| [grey; 3]).collect(),
         other => return Err(format!("colour comes as {}, which is not read", modes::format_name(other))),
     };
@@ -97,6 +102,12 @@ mod tests {
         let grey = frame(sys::GRAY8, (1, 1), 7, &[5]);
         let read = images(&fine, Some(&grey), [false; 2]).unwrap();
         assert_eq!((read.depth_mm(), read.colour.unwrap()), (vec![1235], vec![5, 5, 5]));
+        let two = frame(sys::DEPTH_1_MM, (2, 1), 0, &depth(&[1, 2]));
+        for (format, bytes) in [(sys::YUV422, [90, 81, 240, 81]), (sys::YUYV, [81, 90, 81, 240])] {
+            let red = images(&two, Some(&frame(format, (2, 1), 4, &bytes)), [false; 2]).unwrap();
+            assert_eq!(red.colour.unwrap(), [254, 0, 0, 254, 0, 0]);
+            assert!(images(&fine, Some(&frame(format, (1, 1), 2, &bytes)), [false; 2]).is_err());
+        }
         let jpeg = frame(204, (1, 1), 0, &[0xff, 0xd8]);
         let error = images(&fine, Some(&jpeg), [false; 2]).unwrap_err();
         assert!(error.contains("JPEG"), "{error}");

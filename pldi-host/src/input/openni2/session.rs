@@ -71,9 +71,11 @@ impl Session {
     pub(super) fn file(library: &Arc<Library>, path: &str) -> Result<Self, Error> {
         let damaged = |failure: &dyn std::fmt::Display| Error::Content {
             path: path.into(),
-            reason: format!("OpenNI2 cannot play it: {failure}"),
+            reason: format!("OpenNI2 cannot play it ({failure})"),
         };
-        let mut session = Self::open(library, path, |failure| format!("{path}: OpenNI2 cannot play it: {failure}"))?;
+        let mut session = Self::open(library, path, |failure| {
+            format!("{path}: OpenNI2 cannot play it ({failure}): it is no .oni recording, or it was cut or damaged")
+        })?;
         let device = &session.device;
         device.set(sys::DEVICE_PLAYBACK_SPEED, sys::PLAYBACK_MANUAL).map_err(|f| damaged(&f))?;
         device.set::<c_int>(sys::DEVICE_PLAYBACK_REPEAT, 0).map_err(|f| damaged(&f))?;
