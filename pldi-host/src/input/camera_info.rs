@@ -45,17 +45,47 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Intrinsics, Error> {
         let message = message.lines().next().unwrap_or_default();
         content(format!("not a camera_info file with image_width, image_height and camera_matrix.data: {message}"))
     })?;
-    let origin = IntrinsicsOrigin::File(path.to_owned());
+    let distortion = info.distortion_coefficients.map(|m| m.data).unwrap_or_default();
+    let calibration = Calibration {
+        size: [info.image_width, info.image_height],
+        matrix: &info.camera_matrix.data,
+        distortion: &distortion,
+        model: info.distortion_model.as_deref(),
+    };
+    pinhole(path, &IntrinsicsOrigin::File(path.to_owned()), &calibration)
+}
+
+/// A calibration as ROS writes it down, in a file or a message.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Calibration<'a> {
+    /// Width and height of the images.
+    pub(super) size: [f64; 2],
+    /// The camera's matrix, row by row.
+    pub(super) matrix: &'a [f64],
+    pub(super) distortion: &'a [f64],
+    /// Name of the distortion's model.
+    pub(super) model: Option<&'a str>,
+}
+
+/// The pinhole part, checked; where there is distortion, a warning says that it is not undone. `path` names the
+/// calibration in messages.
+pub(super) fn pinhole(
+    path: &Path,
+    origin: &IntrinsicsOrigin,
+    calibration: &Calibration<'_>,
+) -> Result<Intrinsics, Error> {
+    let Calibration { size: [width, height], matrix, distortion, model } = *calibration;
+    let absurd = |name, value, reason: String| Error::Intrinsics { origin: origin.clone(), name, value, reason };
     let side = |name, value: f64| {
         if value.fract() == 0.0 && (1.0..=f64::from(u16::MAX)).contains(&value) {
             return Ok(value as u16);
         }
-        Err(Error::Intrinsics { origin: origin.clone(), name, value, reason: "is not a size in pixels".into() })
+        Err(absurd(name, value, "is not a size in pixels".into()))
     };
-    let size = (side("image_width", info.image_width)?, side("image_height", info.image_height)?);
-    let &[fx, skew, cx, a, fy, cy, b, c, one] = info.camera_matrix.data.as_slice() else {
-        let n = info.camera_matrix.data.len();
-        return Err(content(format!("camera_matrix.data has {n} numbers, a 3x3 matrix has 9")));
+    let size = (side("image_width", width)?, side("image_height", height)?);
+    let &[fx, skew, cx, a, fy, cy, b, c, one] = matrix else {
+        let reason = format!("camera_matrix.data has {} numbers, a 3x3 matrix has 9", matrix.len());
+        return Err(Error::Content { path: path.to_owned(), reason });
     };
     for (name, value, expected) in [
         ("camera_matrix.data[1] (skew)", skew, 0.0),
@@ -65,18 +95,15 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Intrinsics, Error> {
         ("camera_matrix.data[8]", one, 1.0),
     ] {
         if value != expected {
-            let reason = format!("must be {expected} in a pinhole camera's matrix");
-            return Err(Error::Intrinsics { origin, name, value, reason });
+            return Err(absurd(name, value, format!("must be {expected} in a pinhole camera's matrix")));
         }
     }
-    let intrinsics = checked(&origin, size, [fx, fy, cx, cy])?;
-    let distortion = info.distortion_coefficients.map(|m| m.data).unwrap_or_default();
+    let intrinsics = checked(origin, size, [fx, fy, cx, cy])?;
     if let Some(&value) = distortion.iter().find(|d| !d.is_finite()) {
-        let reason = "is not a finite number".into();
-        return Err(Error::Intrinsics { origin, name: "distortion_coefficients.data", value, reason });
+        return Err(absurd("distortion_coefficients.data", value, "is not a finite number".into()));
     }
     if distortion.iter().any(|&d| d != 0.0) {
-        let model = excerpt(info.distortion_model.as_deref().unwrap_or("unnamed"));
+        let model = excerpt(model.unwrap_or("unnamed"));
         // No model has more than 14.
         let distortion = &distortion[..distortion.len().min(14)];
         tracing::warn!(

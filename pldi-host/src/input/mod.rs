@@ -3,6 +3,7 @@
 //! [`open`] opens whatever a URI names; each format is a [`Source`] in a file of its own.
 
 pub(crate) mod ahead;
+mod bag;
 mod camera_info;
 pub(crate) mod files;
 mod folder;
@@ -11,11 +12,13 @@ pub mod fuzz;
 pub(crate) mod image;
 mod intrinsics;
 mod lists;
+mod mcap;
 mod open;
 pub mod openni2;
 pub mod pair;
 mod prepare;
 mod reduce;
+mod ros;
 mod scale;
 mod source;
 mod stamp;

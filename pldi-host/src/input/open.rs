@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{DepthScale, Frame, IntrinsicsSpec, Preparation, RawFrame, Source, Stop, folder, openni2};
+use super::{DepthScale, Frame, IntrinsicsSpec, Preparation, RawFrame, Source, Stop, bag, folder, mcap, openni2};
 use crate::Error;
 
 /// How to understand an input. Each format takes what concerns it.
@@ -79,7 +79,6 @@ enum Kind {
     /// Images in files.
     Files,
     /// Topics.
-    #[expect(dead_code, reason = "no format yet")]
     Bag,
     /// A sensor.
     Device,
@@ -106,13 +105,15 @@ const FORMATS: &[Format] = &[
         kind: Kind::Files,
         open: folder::open,
     },
+    Format { name: "a ROS 2 recording (.mcap)", claims: mcap::claims, kind: Kind::Bag, open: mcap::open },
+    Format { name: "a ROS 1 bag (.bag)", claims: bag::claims, kind: Kind::Bag, open: bag::open },
     Format { name: "a depth image (.png)", claims: is_image, kind: Kind::Files, open: folder::open_image },
     Format { name: "OpenNI2's recording (.oni)", claims: openni2::is_file, kind: Kind::Files, open: openni2::open },
     Format { name: "a sensor (openni2:)", claims: openni2::is_sensor, kind: Kind::Device, open: openni2::open },
 ];
 
 /// Whether a file's name ends so, in capitals or not.
-fn ends_with(uri: &str, extension: &str) -> bool {
+pub(super) fn ends_with(uri: &str, extension: &str) -> bool {
     Path::new(uri).extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
