@@ -205,3 +205,24 @@ impl Error {
 pub(crate) fn excerpt(text: &str) -> String {
     text.chars().take(40).collect()
 }
+
+/// What another library says, as part of a sentence: its first line, at most 200 characters of it, control characters
+/// written out. What follows is an excerpt of the file.
+pub(crate) fn told(cause: &impl std::fmt::Display) -> String {
+    let text = cause.to_string();
+    let line = text.lines().next().unwrap_or_default().trim_end();
+    let plain = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    line.chars().take(200).map(plain).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::told;
+
+    #[test]
+    fn what_a_library_says_becomes_part_of_a_sentence() {
+        assert_eq!(told(&"Line 3: no\u{1b}[31m number \n\tString: 'x'"), "Line 3: no\\u{1b}[31m number");
+        assert_eq!(told(&"\u{e4}".repeat(999)).chars().count(), 200);
+        assert_eq!(told(&""), "");
+    }
+}

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::files;
 use super::intrinsics::checked;
 use crate::Error;
-use crate::error::{IntrinsicsOrigin, excerpt};
+use crate::error::{IntrinsicsOrigin, excerpt, told};
 
 /// A calibration has 20 lines.
 const MAX_BYTES: u64 = 1 << 20;
@@ -40,9 +40,7 @@ pub fn read_camera_info(path: &Path) -> Result<Intrinsics, Error> {
 pub(super) fn parse(path: &Path, text: &str) -> Result<Intrinsics, Error> {
     let content = |reason: String| Error::Content { path: path.to_owned(), reason };
     let info: CameraInfo = serde_saphyr::from_str(text).map_err(|e| {
-        // The first line says what and where; the rest is an excerpt of the file.
-        let message = e.to_string();
-        let message = message.lines().next().unwrap_or_default();
+        let message = told(&e);
         content(format!("not a camera_info file with image_width, image_height and camera_matrix.data: {message}"))
     })?;
     let distortion = info.distortion_coefficients.map(|m| m.data).unwrap_or_default();

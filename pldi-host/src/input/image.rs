@@ -7,6 +7,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Lim
 
 use super::{MAX_FACTOR, files};
 use crate::Error;
+use crate::error::told;
 
 /// Largest file read: four times the raw size of the largest frame accepted would be less.
 const MAX_FILE_BYTES: u64 = 256 << 20;
@@ -82,7 +83,7 @@ fn decode(
             ),
         ));
     }
-    let damaged = |e: image::ImageError| content(path, format!("the image is damaged: {e}"));
+    let damaged = |e: image::ImageError| content(path, format!("the image is damaged: {}", told(&e)));
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_DECODED_BYTES);
     let mut reader = ImageReader::new(Cursor::new(bytes));

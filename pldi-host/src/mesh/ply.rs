@@ -8,6 +8,7 @@ use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyTyp
 
 use super::{Parts, push_fan};
 use crate::Error;
+use crate::error::{excerpt, told};
 
 /// Position of a vertex; other properties are passed over.
 #[derive(Default)]
@@ -80,13 +81,11 @@ impl PropertyAccess for Skipped {
 
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Parts, Error> {
     let content = |reason: String| Error::Content { path: path.to_owned(), reason };
-    // The parser counts a text file's lines from 1 in the header and from 0 in each element, and not a binary one's;
-    // its messages go on with an excerpt of the file.
+    // The parser counts a text file's lines from 1 in the header and from 0 in each element, and not a binary one's.
     let failed = |e: io::Error, lines_before: Option<usize>| {
-        let text = e.to_string();
-        let reason = text.lines().next().unwrap_or_default();
-        let counted = reason.strip_prefix("Line ").and_then(|r| r.split_once(": "));
-        let (number, reason) = counted.map_or((None, reason), |(n, rest)| (n.parse::<usize>().ok(), rest));
+        let text = told(&e);
+        let counted = text.strip_prefix("Line ").and_then(|r| r.split_once(": "));
+        let (number, reason) = counted.map_or((None, &text[..]), |(n, rest)| (n.parse::<usize>().ok(), rest));
         let reason = format!("not a PLY file, or a damaged one: {reason}");
         match number.zip(lines_before) {
             Some((n, before)) => Error::Line { path: path.to_owned(), line: before + n, reason },
@@ -103,7 +102,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Parts, Error> {
         let left = reader.fill_buf().map_or(0, <[u8]>::len);
         // The header is not trusted: every element takes a byte at least, or the loop over nothing would not end.
         if element.count > left || (element.properties.is_empty() && element.count > 0) {
-            let n = element.count;
+            let (n, name) = (element.count, excerpt(name));
             return Err(content(format!("the header has {n} of element {name}, but {left} bytes are left: it is cut")));
         }
         match name.as_str() {
@@ -141,7 +140,7 @@ fn need(
     if element.properties.values().filter(|p| right(&p.name, &p.data_type)).count() == count {
         return Ok(());
     }
-    Err(format!("the element {} has no properties {what} of a usable type", element.name))
+    Err(format!("the element {} has no properties {what} of a usable type", excerpt(&element.name)))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::Parts;
 use crate::Error;
+use crate::error::told;
 
 /// Bytes before the triangles of a binary file, and of each triangle.
 const HEADER: usize = 84;
@@ -59,7 +60,7 @@ fn append(path: &Path, bytes: Vec<u8>, (vertices, triangles): &mut Parts) -> Res
     let mesh = stl_io::read_stl(&mut Cursor::new(bytes)).map_err(|e| {
         let reason = match e.kind() {
             std::io::ErrorKind::UnexpectedEof => "the file ends before its last triangle: it is cut".into(),
-            _ => format!("not an STL file: {e}"),
+            _ => format!("not an STL file: {}", told(&e)),
         };
         Error::Content { path: path.to_owned(), reason }
     })?;
