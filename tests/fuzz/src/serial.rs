@@ -115,14 +115,21 @@ fn frame(script: &mut &[u8], sink: &mut impl FnMut(&[u8])) {
     }
 }
 
-/// What a device borrows: made once.
-fn tables() -> &'static (QvgaFixedPipeline, Vec<u8>) {
-    static TABLES: OnceLock<(QvgaFixedPipeline, Vec<u8>)> = OnceLock::new();
+/// Pipeline and templates of a device: made once.
+fn tables() -> &'static (QvgaFixedPipeline, Templates<'static>) {
+    static TABLES: OnceLock<(QvgaFixedPipeline, Templates<'static>)> = OnceLock::new();
     TABLES.get_or_init(|| {
         let params = FixedParams::new(&Params::DEFAULT).unwrap();
         let camera = rays::fixed::Intrinsics::new(&Intrinsics::KINECT_QVGA).unwrap();
-        (QvgaFixedPipeline::new(&params, &camera).unwrap(), fixed_file(EMBEDDED).unwrap())
+        let coded = fixed_file(EMBEDDED).unwrap().leak();
+        (QvgaFixedPipeline::new(&params, &camera).unwrap(), Templates::parse(coded).unwrap())
     })
+}
+
+/// The templates of a host: read once.
+fn set() -> Templates<'static> {
+    static SET: OnceLock<Templates<'static>> = OnceLock::new();
+    *SET.get_or_init(|| Templates::parse(EMBEDDED).unwrap())
 }
 
 /// A device; whatever it hears, all that it says is understood, and it still answers in the end.
@@ -148,8 +155,7 @@ pub fn device(line: &[u8]) -> Vec<u8> {
     let (pipeline, templates) = tables();
     let mut workspace = Box::new(QvgaFixedWorkspace::new());
     let mut decoder = Decoder::<DEVICE_BUFFER>::new();
-    let templates = Templates::parse(templates).unwrap();
-    let mut device = Device::new(pipeline, templates, &mut workspace, &mut decoder).unwrap();
+    let mut device = Device::new(pipeline, *templates, &mut workspace, &mut decoder).unwrap();
     *device.telemetry() = Telemetry { params_hash: 1, memory: 2, stack: 3, time: 4 };
     let mut said = Vec::new();
     let mut sink = |bytes: &[u8]| {
@@ -181,9 +187,8 @@ impl Read for Pieces<'_> {
 /// A host; what it understands becomes lines of a report.
 pub fn serial_host(bytes: &[u8]) {
     let line = line(bytes);
-    let set = Templates::parse(EMBEDDED).unwrap();
     let mut receiver = Receiver::new(Pieces(&line));
-    let mut names = [Names::new(None), Names::new(Some(set))];
+    let mut names = [Names::new(None), Names::new(Some(set()))];
     let mut answers = 0;
     while let Some(received) = receiver.next().unwrap() {
         answers += 1;
