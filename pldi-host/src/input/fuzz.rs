@@ -5,6 +5,7 @@ use std::path::Path;
 
 use pldi_core::Intrinsics;
 
+use super::ros::{Encoding, decode, topics::Kind};
 use super::{Stamp, camera_info, files, image, lists};
 use crate::Error;
 
@@ -70,4 +71,19 @@ fn frames(entries: Vec<lists::Entry>) -> Vec<Frame> {
 /// The order of file names.
 pub fn natural(a: &str, b: &str) -> Ordering {
     lists::natural(a, b)
+}
+
+/// A message of ROS 2 (CDR) or ROS 1, taken for each kind of image and for a calibration.
+///
+/// # Errors
+/// What is wrong with it, for each in turn.
+pub fn message(bytes: &[u8], ros1: bool) -> [Result<(), Error>; 5] {
+    let (name, encoding) = (Path::new("message"), if ros1 { Encoding::Ros1 } else { Encoding::Cdr });
+    [
+        decode::colour(name, bytes, encoding, Kind::Image).map(drop),
+        decode::colour(name, bytes, encoding, Kind::Compressed).map(drop),
+        decode::depth(name, bytes, encoding, Kind::Image).map(drop),
+        decode::depth(name, bytes, encoding, Kind::Compressed).map(drop),
+        decode::info(name, bytes, encoding).and_then(|info| super::ros::intrinsics(name, &info)).map(drop),
+    ]
 }

@@ -5,7 +5,7 @@ mod camera_info;
 pub(super) mod cdr;
 pub(super) mod chunk;
 mod compressed;
-mod decode;
+pub(super) mod decode;
 mod image;
 mod messages;
 pub(super) mod records;
@@ -14,6 +14,7 @@ mod rvl;
 pub(super) mod source;
 pub(super) mod topics;
 
+pub(super) use camera_info::intrinsics;
 pub(super) use messages::{CameraInfo, CompressedImage, Image};
 
 /// Bytes that are no such message.
