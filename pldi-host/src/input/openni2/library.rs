@@ -52,6 +52,7 @@ table! {
     stream_create = "oniDeviceCreateStream" (DeviceHandle, c_int, *mut StreamHandle) -> c_int;
     stream_destroy = "oniStreamDestroy" (StreamHandle);
     stream_start = "oniStreamStart" (StreamHandle) -> c_int;
+    stream_stop = "oniStreamStop" (StreamHandle);
     stream_read = "oniStreamReadFrame" (StreamHandle, *mut *mut sys::Frame) -> c_int;
     stream_get = "oniStreamGetProperty" (StreamHandle, c_int, *mut c_void, *mut c_int) -> c_int;
     stream_set = "oniStreamSetProperty" (StreamHandle, c_int, *const c_void, c_int) -> c_int;
@@ -330,6 +331,12 @@ impl Stream {
     pub(super) fn start(&self) -> Result<(), Failure> {
         // SAFETY: the handle is the stream's.
         self.device.library.check(unsafe { (self.table().stream_start)(self.handle) })
+    }
+
+    /// Stops it; nothing comes any more.
+    pub(super) fn stop(&self) {
+        // SAFETY: the handle is the stream's.
+        unsafe { (self.table().stream_stop)(self.handle) };
     }
 
     /// Takes the frame that is there; waits where there is none.

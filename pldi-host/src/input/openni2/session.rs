@@ -2,7 +2,7 @@
 
 use std::ffi::{CString, c_int};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pldi_core::Intrinsics;
 
@@ -29,6 +29,25 @@ pub(super) struct Session {
     /// Frames per second.
     rate: u16,
     synced: bool,
+    /// When a file was opened.
+    playing: Option<Instant>,
+}
+
+/// OpenNI2's player of files has a thread that goes through the streams without a lock: it needs so long to notice that
+/// they were stopped, and so long from opening a file until it can be closed. Without these, one of a hundred programs
+/// crashes (2.2.0.33).
+const PLAYER_STOPS: Duration = Duration::from_millis(50);
+const PLAYER_STARTS: Duration = Duration::from_millis(150);
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        for stream in &self.streams {
+            stream.stop();
+        }
+        if let Some(opened) = self.playing {
+            std::thread::sleep(PLAYER_STOPS.max(PLAYER_STARTS.saturating_sub(opened.elapsed())));
+        }
+    }
 }
 
 /// Which stream an image is from.
@@ -76,6 +95,7 @@ impl Session {
         let mut session = Self::open(library, path, |failure| {
             format!("{path}: OpenNI2 cannot play it ({failure}): it is no .oni recording, or it was cut or damaged")
         })?;
+        session.playing = Some(Instant::now());
         let device = &session.device;
         device.set(sys::DEVICE_PLAYBACK_SPEED, sys::PLAYBACK_MANUAL).map_err(|f| damaged(&f))?;
         device.set::<c_int>(sys::DEVICE_PLAYBACK_REPEAT, 0).map_err(|f| damaged(&f))?;
@@ -104,9 +124,9 @@ impl Session {
             return Err(Error::Usage(format!("{uri}: OpenNI2 takes names of {most} bytes at most, move the file")));
         }
         let device = library.open(&name).map_err(|failure| Error::Device(failed(&failure.to_string())))?;
-        let (streams, camera, mirrored, rate, synced) = Default::default();
+        let (streams, camera, mirrored, rate, synced, playing) = Default::default();
         let (library, device, uri) = (Arc::clone(library), Arc::new(device), uri.to_owned());
-        Ok(Self { library, device, streams, uri, before, mirrored, camera, rate, synced })
+        Ok(Self { library, device, streams, uri, before, mirrored, camera, rate, synced, playing })
     }
 
     fn start(&mut self) -> Result<(), Failure> {
