@@ -175,3 +175,81 @@ fn encodings_that_lose_colour_are_read_as_opencv_reads_them() {
         }
     }
 }
+
+/// What the reference libraries read from a file, topic by topic.
+fn read_by_others(python: &Path, file: &Path) -> Value {
+    let output = Command::new(python).arg(script("read.py")).arg(file).output().expect("it starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut read: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    read["topics"].take()
+}
+
+/// A value's numbers as single precision, in which they were computed.
+fn singles<'a>(values: impl IntoIterator<Item = &'a Value>) -> Vec<f32> {
+    values.into_iter().map(|value| value.as_f64().expect("a number") as f32).collect()
+}
+
+#[test]
+fn results_in_mcap_are_read_by_others_as_the_lines_say() {
+    let Some(python) = python() else { return };
+    let out = folder();
+    let file = out.path().join("results.mcap");
+    let lines = pldi(arguments!["run", *recording(), "--mcap", file]).ok().lines();
+    let topics = read_by_others(&python, &file);
+    let messages = |topic: &str| topics[topic]["messages"].as_array().expect("messages").clone();
+    let mut candidates = 0;
+    for (line, message) in lines.iter().zip(messages("/pldi/detections")) {
+        let (said, read) = (line["detections"].as_array().unwrap(), message["detections"].as_array().unwrap());
+        assert_eq!(said.len(), read.len());
+        for (said, read) in said.iter().zip(read) {
+            candidates += 1;
+            let (position, size) = (&read["bbox"]["center"]["position"], &read["bbox"]["size"]);
+            let xyz = |of: &Value| singles([&of["x"], &of["y"], &of["z"]]);
+            assert_eq!(xyz(position), singles(said["center"].as_array().unwrap()));
+            assert_eq!(xyz(size), singles(said["size"].as_array().unwrap()));
+            let results = said["results"].as_array().unwrap();
+            assert_eq!(results.len(), read["results"].as_array().unwrap().len());
+            for (said, read) in results.iter().zip(read["results"].as_array().unwrap()) {
+                assert_eq!(said["class_id"], read["hypothesis"]["class_id"]);
+                assert_eq!(singles([&said["score"]]), singles([&read["hypothesis"]["score"]]));
+                assert_eq!(read["pose"]["pose"]["position"], *position);
+            }
+        }
+    }
+    assert!(candidates >= 3);
+    for (line, message) in lines.iter().zip(messages("/pldi/markers")) {
+        let count = 1 + 2 * line["detections"].as_array().unwrap().len();
+        assert_eq!(message["markers"].as_array().unwrap().len(), count);
+    }
+    let (n, camera) = (&messages("/pldi/n")[0], &messages("/pldi/camera_info")[0]);
+    assert_eq!((&n["width"], &n["data"]["bytes"], &camera["width"]), (&320.into(), &76_800.into(), &320.into()));
+}
+
+#[test]
+fn recordings_in_mcap_are_read_by_others_and_here() {
+    let out = folder();
+    let (kept, again) = (out.path().join("kept.mcap"), out.path().join("again.mcap"));
+    pldi(arguments!["record", *recording(), "--out", kept]).ok();
+    assert_eq!(pldi(arguments!["run", kept]).ok().stdout, pldi(arguments!["run", *recording()]).ok().stdout);
+    // What is read and written once more says the same, also of its coordinate frame.
+    pldi(arguments!["record", kept, "--out", again]).ok();
+    let Some(python) = python() else { return };
+    let topics = read_by_others(&python, &kept);
+    assert_eq!(topics.as_object().unwrap().len(), 4);
+    assert_eq!(topics, read_by_others(&python, &again));
+    let depth = topics["/camera/depth/image_raw"]["messages"].as_array().unwrap();
+    assert_eq!((depth.len(), &depth[2]["encoding"], &depth[2]["data"]["bytes"]), (3, &"16UC1".into(), &614_400.into()));
+}
+
+#[test]
+fn results_have_the_coordinate_frame_of_the_recording() {
+    let (Some(written), Some(python)) = (written(), python()) else { return };
+    let (input, out) = (written.join("ros2-support.mcap"), folder());
+    let file = out.path().join("results.mcap");
+    pldi(arguments!["run", input, "--mcap", file, "--frames", "1"]).ok();
+    let (theirs, ours) = (read_by_others(&python, &input), read_by_others(&python, &file));
+    let images = theirs.as_object().unwrap().values().flat_map(|topic| topic["messages"].as_array().unwrap());
+    let depth: Vec<&Value> = images.filter(|message| message["encoding"] == "16UC1").collect();
+    let header = &ours["/pldi/detections"]["messages"][0]["header"];
+    assert!(header["frame_id"] != "" && depth.iter().any(|message| message["header"] == *header), "{header}");
+}

@@ -17,6 +17,8 @@ pub struct Taken {
     pub stamp: Stamp,
     /// Time of the colour image; that of the depth image where it has none of its own.
     pub colour_stamp: Stamp,
+    /// Name of the depth camera's coordinate frame, where the source has one.
+    pub frame_id: Option<String>,
     /// The camera, for the images' size; `None` where nobody knows it.
     pub camera: Option<Intrinsics>,
     /// The images.

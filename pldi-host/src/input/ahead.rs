@@ -70,7 +70,15 @@ mod tests {
             }
             let (camera, colour_stamp, dropped) = Default::default();
             let images = Box::new(|| Err(Error::Interrupted));
-            Ok(Some(RawFrame { stamp: Stamp(i as i64), colour_stamp, name: String::new(), camera, dropped, images }))
+            Ok(Some(RawFrame {
+                stamp: Stamp(i as i64),
+                colour_stamp,
+                name: String::new(),
+                frame_id: None,
+                camera,
+                dropped,
+                images,
+            }))
         }
     }
 

@@ -86,6 +86,7 @@ impl Source for Folder {
             stamp: entry.stamp,
             colour_stamp: entry.colour_stamp,
             name: entry.depth.clone(),
+            frame_id: None,
             camera: self.camera.clone(),
             dropped: 0,
             images: Box::new(move || place.decode(&entry).map_err(|cause| place.listed(&entry, cause))),

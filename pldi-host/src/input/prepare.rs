@@ -23,6 +23,8 @@ pub struct Frame {
     pub images: Images,
     /// Time of the depth image.
     pub stamp: Stamp,
+    /// Name of the depth camera's coordinate frame, where the source has one.
+    pub frame_id: Option<String>,
     /// Where the intrinsics come from.
     pub origin: IntrinsicsOrigin,
     /// Frames lost between this and the one before.
@@ -57,7 +59,7 @@ impl Preparation {
     /// # Errors
     /// What is wrong with its images, or intrinsics that do not belong to them.
     pub fn frame(&self, index: usize, raw: RawFrame) -> Result<Frame, Error> {
-        let RawFrame { stamp, name, camera, images, dropped, .. } = raw;
+        let RawFrame { stamp, name, frame_id, camera, images, dropped, .. } = raw;
         let images = images()?;
         // Names the image in messages.
         let path = Path::new(&name);
@@ -84,7 +86,7 @@ impl Preparation {
         let colour = images.colour.as_ref().map(|values| reduce::colour(values, factor));
         let (original_size, origin) = (images.size, camera.origin());
         let qvga = QvgaFrame { index, stamp: stamp.seconds(), name, depth, colour, intrinsics, factor, original_size };
-        Ok(Frame { qvga, images, stamp, origin, dropped })
+        Ok(Frame { qvga, images, stamp, frame_id, origin, dropped })
     }
 
     /// Decodes a frame and leaves it as it was taken, with the camera where that is known.
@@ -92,13 +94,13 @@ impl Preparation {
     /// # Errors
     /// What is wrong with its images, or intrinsics that do not belong to them.
     pub fn taken(&self, raw: RawFrame) -> Result<Taken, Error> {
-        let RawFrame { stamp, colour_stamp, name, camera, images, .. } = raw;
+        let RawFrame { stamp, colour_stamp, name, frame_id, camera, images, .. } = raw;
         let images = images()?;
         let camera = match self.camera(camera) {
             Camera::Default => None,
             known => Some(known.for_image(Path::new(&name), images.size)?),
         };
-        Ok(Taken { stamp, colour_stamp: colour_stamp.unwrap_or(stamp), camera, images })
+        Ok(Taken { stamp, colour_stamp: colour_stamp.unwrap_or(stamp), frame_id, camera, images })
     }
 
     /// The camera by precedence: the user's word, the source's, the default.

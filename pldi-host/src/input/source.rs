@@ -41,6 +41,8 @@ pub struct RawFrame {
     pub colour_stamp: Option<Stamp>,
     /// Name within the source: a file, a topic and its message.
     pub name: String,
+    /// Name of the depth camera's coordinate frame, where the source has one: `camera_depth_optical_frame`.
+    pub frame_id: Option<String>,
     /// The camera as the source knows it, for the images' size, and where that is from.
     pub camera: Option<(Intrinsics, IntrinsicsOrigin)>,
     /// Frames lost between this and the one before.
@@ -51,11 +53,12 @@ pub struct RawFrame {
 
 impl fmt::Debug for RawFrame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { stamp, colour_stamp, name, camera, dropped, images: _ } = self;
+        let Self { stamp, colour_stamp, name, frame_id, camera, dropped, images: _ } = self;
         f.debug_struct("RawFrame")
             .field("stamp", stamp)
             .field("colour_stamp", colour_stamp)
             .field("name", name)
+            .field("frame_id", frame_id)
             .field("camera", camera)
             .field("dropped", dropped)
             .finish_non_exhaustive()

@@ -36,6 +36,7 @@ impl Source for Toy {
             stamp: Stamp(500_000_000),
             colour_stamp: None,
             name: "toy".to_owned(),
+            frame_id: None,
             camera: None,
             dropped: 0,
             images: Box::new(|| Ok(images)),

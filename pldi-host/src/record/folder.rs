@@ -138,7 +138,7 @@ mod tests {
             colour: colour.then(|| vec![i as u8; 3 * 320 * 240]),
         };
         let ns = 1_700_000_000_123_456_789 + i64::from(i) * 33_333_333;
-        Taken { stamp: Stamp(ns), colour_stamp: Stamp(ns - 4_000_001), camera, images }
+        Taken { stamp: Stamp(ns), colour_stamp: Stamp(ns - 4_000_001), frame_id: None, camera, images }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Recorder, Taken};
 use crate::Error;
-use crate::input::{Images, Stamp};
+use crate::input::Images;
 use crate::output::mcap::{Encoding, FRAME, Header, McapFile, Topic, camera_info, image};
 
 const COLOUR: Topic = Topic { name: "/camera/color/image_raw", message: "sensor_msgs/Image" };
@@ -23,10 +23,13 @@ impl McapRecorder {
 
 impl Recorder for McapRecorder {
     fn frame(&mut self, frame: &Taken) -> Result<(), Error> {
-        let Taken { stamp, colour_stamp, camera, images } = frame;
+        let Taken { stamp, colour_stamp, frame_id, camera, images } = frame;
         let Images { size, depth, scale, colour } = images;
+        // Colour is registered to depth: one camera took both.
+        let camera_frame = frame_id.as_deref().unwrap_or(FRAME);
         // Both at first: a frame is written whole or not at all.
-        let (depth_header, colour_header) = (header(*stamp)?, header(*colour_stamp)?);
+        let depth_header = Header::new(*stamp, camera_frame)?;
+        let colour_header = Header::new(*colour_stamp, camera_frame)?;
         let file = &mut self.0;
         if let Some(colour) = colour {
             file.message(COLOUR, *colour_stamp, &image(&colour_header, *size, Encoding::Rgb8, colour))?;
@@ -46,14 +49,10 @@ impl Recorder for McapRecorder {
     }
 }
 
-fn header(stamp: Stamp) -> Result<Header<'static>, Error> {
-    Header::new(stamp, FRAME)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::DepthScale;
+    use crate::input::{DepthScale, Stamp};
     use pldi_core::Intrinsics;
 
     fn taken(i: i64, colour: bool, scale: DepthScale) -> Taken {
@@ -61,7 +60,7 @@ mod tests {
         let depth = vec![0, 1000, 12_000, 65_535, 5, 8];
         let images = Images { size: (3, 2), depth, scale, colour: colour.then(|| (0..18).collect()) };
         let ns = 1_700_000_000_123_456_789 + i * 33_333_333;
-        Taken { stamp: Stamp(ns), colour_stamp: Stamp(ns - 4_000_001), camera, images }
+        Taken { stamp: Stamp(ns), colour_stamp: Stamp(ns - 4_000_001), frame_id: None, camera, images }
     }
 
     /// Topic, log time and bytes of each message.
@@ -77,7 +76,8 @@ mod tests {
         let path = place.path().join("out.mcap");
         let mut recorder = Box::new(McapRecorder::create(&path).unwrap());
         recorder.frame(&taken(0, true, DepthScale::Millimetres)).unwrap();
-        recorder.frame(&taken(1, false, DepthScale::Tum)).unwrap();
+        let named = Taken { frame_id: Some("lens".to_owned()), ..taken(1, false, DepthScale::Tum) };
+        recorder.frame(&named).unwrap();
         assert!(!path.exists());
         recorder.finish().unwrap();
         let messages = messages(&path);
@@ -85,6 +85,9 @@ mod tests {
         let first = [COLOUR, DEPTH, COLOUR_CAMERA, DEPTH_CAMERA, DEPTH, DEPTH_CAMERA].map(|topic| topic.name);
         assert_eq!(topics, first);
         assert_eq!((messages[0].1, messages[1].1), (1_700_000_000_119_456_788, 1_700_000_000_123_456_789));
+        let names = messages.iter().map(|(.., bytes)| bytes[16..].split(|b| *b == 0).next().unwrap().to_vec());
+        let expected = [[FRAME; 4].as_slice(), &["lens"; 2]].concat();
+        assert_eq!(names.collect::<Vec<_>>(), expected.iter().map(|name| name.as_bytes()).collect::<Vec<_>>());
         let tail = |i: usize, n: usize| messages[i].2[messages[i].2.len() - n..].to_vec();
         assert_eq!(tail(0, 18), (0..18).collect::<Vec<u8>>());
         // Far readings stay, and so do those that are none.

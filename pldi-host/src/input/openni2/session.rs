@@ -221,7 +221,7 @@ impl Session {
         let images = Box::new(move || {
             pixels::images(&depth, colour.as_ref(), mirrored).map_err(|reason| Error::Content { path, reason })
         });
-        RawFrame { stamp, colour_stamp, name, camera, dropped, images }
+        RawFrame { stamp, colour_stamp, name, frame_id: None, camera, dropped, images }
     }
 }
 

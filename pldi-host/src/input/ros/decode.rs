@@ -46,6 +46,11 @@ pub(in crate::input) fn stamp(bytes: &[u8], encoding: Encoding) -> Result<i64, M
     read!(encoding, bytes, fields => Header::read(fields)).map(|header| header.stamp)
 }
 
+/// The name of the coordinate frame in a message's header.
+pub(in crate::input) fn frame_id(bytes: &[u8], encoding: Encoding) -> Result<String, Malformed> {
+    read!(encoding, bytes, fields => Header::read(fields)).map(|header| header.frame_id.to_owned())
+}
+
 /// What an image's message holds.
 pub(in crate::input) fn sample(bytes: &[u8], encoding: Encoding, kind: Kind) -> Result<Sample, Malformed> {
     match kind {

@@ -290,6 +290,7 @@ impl Frames {
                 stamp,
                 colour_stamp: colour.as_ref().map(|packed| packed.stamp),
                 name: format!("{} at {stamp}", depth.message.channel.topic),
+                frame_id: decode::frame_id(&depth.message.data, depth.encoding).ok().filter(|name| !name.is_empty()),
                 camera: self.camera.clone(),
                 dropped: 0,
                 images: Box::new(move || decode_pair(&path, &depth, colour.as_ref(), scale)),

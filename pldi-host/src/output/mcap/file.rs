@@ -22,8 +22,8 @@ const CHUNK: u64 = 2 << 20;
 /// much.
 const LEVEL: u32 = 1;
 
-/// Longest message: readers have limits as well.
-const LONGEST: usize = 1 << 30;
+/// Longest message: readers have limits, that of this crate as well.
+const LONGEST: usize = 256 << 20;
 
 /// A stream of messages of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,5 +11,5 @@ pub(crate) use file::{McapFile, Topic};
 pub(crate) use messages::{Encoding, Header, camera_info, image};
 pub use results::{FrameMessages, Results};
 
-/// The frame of the depth camera (x right, y down, z forward), to which colour is registered.
+/// The coordinate frame (x right, y down, z forward) of a depth camera whose source has no name for it.
 pub(crate) const FRAME: &str = "camera_depth_optical_frame";

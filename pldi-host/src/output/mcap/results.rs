@@ -35,7 +35,7 @@ impl FrameMessages {
     /// `Content` where ROS cannot tell the frame's time.
     pub fn new(seen: &mut Processed<'_>) -> Result<Self, Error> {
         let stamp = seen.frame.stamp;
-        let header = Header::new(stamp, FRAME)?;
+        let header = Header::new(stamp, seen.frame.frame_id.as_deref().unwrap_or(FRAME))?;
         let boxes: Vec<(&DetectionReport, Pose)> =
             seen.report.detections.iter().filter_map(|d| Some((d, pose(seen, d)?))).collect();
         let candidates: Vec<Detection<'_>> = boxes
