@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bytes = fixed_file(include_bytes!("../../../pldi-host/assets/furniture.pldt"))?;
     let recording = Trial { rooms: 5, frames: 12, seed: 77 }.recording(2);
     let capture = recording.frames().nth(2).ok_or("twelve frames")?.capture;
-    let (depth, colour) = reduce(&capture.depth, capture.colour, 2);
+    let (depth, colour) = reduce(&capture.depth, &capture.colour, 2);
     std::fs::write(folder.join("templates.pldt"), &bytes)?;
     std::fs::write(folder.join("frame.depth"), depth.iter().flat_map(|d| d.to_le_bytes()).collect::<Vec<_>>())?;
     std::fs::write(folder.join("frame.rgb"), &colour)?;
