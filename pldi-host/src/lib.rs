@@ -54,6 +54,8 @@ pub mod serial;
 pub mod stages;
 pub mod templates;
 pub mod trial;
+#[cfg(feature = "rerun")]
+pub mod viewer;
 
 pub use engine::Engine;
 pub use error::Error;

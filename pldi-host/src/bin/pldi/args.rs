@@ -50,6 +50,11 @@ fn intrinsics(text: &str) -> Result<IntrinsicsSpec, Error> {
 }
 
 impl Source {
+    /// As it was given.
+    pub fn name(&self) -> &str {
+        &self.input
+    }
+
     /// Opens it.
     pub fn open(&self) -> Result<Input, Error> {
         let image = is_image(&self.input);

@@ -12,6 +12,8 @@ mod inspect;
 mod print;
 mod progress;
 mod record;
+#[cfg_attr(not(feature = "rerun"), path = "rerun_absent.rs")]
+mod rerun;
 mod run;
 mod serial;
 mod stages;

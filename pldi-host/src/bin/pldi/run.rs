@@ -12,6 +12,7 @@ use pldi_host::runner::{self, FrameResult, Job, Processed};
 use pldi_host::{ArithmeticKind, Engine, Error};
 
 use crate::args::{Limit, Processing, Source, Threads};
+use crate::rerun::{self, Rerun};
 use crate::serial::FromSerial;
 use crate::{print, progress, templates};
 
@@ -40,6 +41,8 @@ pub struct Run {
     /// markers, and the light-diffusion image of each frame
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
+    #[command(flatten)]
+    rerun: Rerun,
     /// Leave out frames that fail and go on; the exit code is still 1
     #[arg(long)]
     keep_going: bool,
@@ -66,15 +69,18 @@ impl Run {
             let name = file.map_or("the embedded templates".to_owned(), |f| f.display().to_string());
             Error::Usage(format!("{name}: {cause}"))
         })?;
+        let (threads, stop, name) = (self.threads.count(), progress::stop(), input.name());
         let input = self.limit.apply(input.open()?);
         if let Some(folder) = &self.overlay {
             std::fs::create_dir_all(folder).map_err(|cause| Error::Write { path: folder.clone(), cause })?;
         }
         let mcap = self.mcap.as_deref().map(Results::create).transpose()?;
+        let viewer = self.rerun.open(name, stop)?;
         let mut sink = Sink {
             keep_going: self.keep_going,
             overlay: self.overlay.as_deref(),
             mcap,
+            viewer,
             frames: 0,
             failed: 0,
             dropped: 0,
@@ -84,7 +90,6 @@ impl Run {
             sink.bar = Some(progress::bar(input.frames_left().map(|count| count as u64)));
         }
         let look = |processed: &mut Processed<'_>| self.show(&set, processed);
-        let (threads, stop) = (self.threads.count(), progress::stop());
         let job = Job { arithmetic, params: &params, templates: &set, threads, stop };
         let result = runner::run(input, &job, look, |i, r| sink.take(i, r));
         if let Some(bar) = &sink.bar {
@@ -94,8 +99,10 @@ impl Run {
             eprintln!("pldi: {} frames were lost between the {} that came", sink.dropped, sink.frames);
         }
         let finished = sink.mcap.map_or(Ok(()), |file| file.end(result.is_ok()));
+        let shown = sink.viewer.end(result.is_ok());
         result?;
         finished?;
+        shown?;
         // The source gave up waiting.
         anyhow::ensure!(!progress::interrupted(), Error::Interrupted);
         let (failed, count) = (sink.failed, sink.frames);
@@ -107,7 +114,7 @@ impl Run {
     fn show(&self, set: &Templates<'_>, seen: &mut Processed<'_>) -> Result<Shown, Error> {
         let picture = self.overlay.as_ref().map(|_| overlay::draw(seen, set).to_png()).transpose()?;
         let messages = self.mcap.as_ref().map(|_| FrameMessages::new(seen)).transpose()?;
-        Ok(Shown { picture, messages })
+        Ok(Shown { picture, messages, scene: self.rerun.scene(seen)? })
     }
 }
 
@@ -116,6 +123,7 @@ struct Shown {
     /// A PNG file.
     picture: Option<Vec<u8>>,
     messages: Option<FrameMessages>,
+    scene: rerun::Shown,
 }
 
 /// Where the results go.
@@ -123,6 +131,7 @@ struct Sink<'a> {
     keep_going: bool,
     overlay: Option<&'a Path>,
     mcap: Option<Results>,
+    viewer: rerun::Stream,
     /// Number of frames that came.
     frames: usize,
     /// Number of them that failed.
@@ -148,6 +157,7 @@ impl Sink<'_> {
                 }
                 let line = serde_json::to_string(&report)?;
                 self.say(|| print::line(line))?;
+                self.viewer.show(extra.scene, progress::stop())?;
             }
             // What is wrong with the call is wrong with every frame.
             Err(error) if self.keep_going && !error.is_usage() => {
