@@ -92,7 +92,8 @@ fn frame(script: &mut &[u8], sink: &mut impl FnMut(&[u8])) {
             for &[left, width, top, height, z, c] in &boxes {
                 // In steps of 2 pixels and 16 mm.
                 let (left, width, z) = (usize::from(left) * 2, usize::from(width) * 2, u16::from(z) * 16);
-                let inside = (left..left + width).contains(&x) && y >= top.into() && y - u16::from(top) < height.into();
+                let inside =
+                    (left..left + width).contains(&x) && y >= u16::from(top) && y - u16::from(top) < u16::from(height);
                 if inside && z < depth {
                     (depth, colour) = (z, c);
                 }
