@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::clock::Clock;
 use super::facts::Frame;
+use super::gaps::Gaps;
 use super::library::Library;
 use super::session::{Kind, Session};
 use super::sys;
@@ -29,9 +30,7 @@ pub(super) struct Film {
     /// Images of each stream that the file says it has, and that have come.
     expected: [u64; 2],
     come: [u64; 2],
-    /// Number of the last depth image.
-    index: Option<i32>,
-    dropped: u64,
+    gaps: Gaps,
     left_out: u64,
     given: usize,
     /// When the last image came.
@@ -61,8 +60,7 @@ impl Film {
             clock: Clock::default(),
             expected,
             come: [0; 2],
-            index: None,
-            dropped: 0,
+            gaps: Gaps::default(),
             left_out: 0,
             given: 0,
             heard: Instant::now(),
@@ -91,9 +89,7 @@ impl Film {
                 match kind {
                     Kind::Colour => self.pairer.push_colour(stamp, frame),
                     Kind::Depth => {
-                        let gap = self.index.map_or(1, |last| frame.index.saturating_sub(last));
-                        self.index = Some(frame.index);
-                        self.dropped += u64::try_from(gap - 1).unwrap_or(0);
+                        self.gaps.next(frame.index);
                         self.pairer.push_depth(stamp, frame);
                     }
                 }
@@ -136,7 +132,7 @@ impl Source for Film {
             if let Some(pair) = self.pairer.pop() {
                 let name = format!("{} frame {}", self.path, self.given);
                 self.given += 1;
-                return Ok(Some(self.session.frame(name, pair, std::mem::take(&mut self.dropped))));
+                return Ok(Some(self.session.frame(name, pair, self.gaps.take())));
             }
             if self.ended {
                 return Ok(None);

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::clock::Clock;
 use super::facts::{Failure, Frame, Listed};
+use super::gaps::Gaps;
 use super::library::Library;
 use super::session::{Kind, Session};
 use super::{find, is_file};
@@ -39,10 +40,7 @@ pub(super) struct Live {
     clock: Clock,
     /// When the last image came.
     heard: Instant,
-    /// Number of the last depth image in its session.
-    index: Option<i32>,
-    /// Frames lost since the last one.
-    dropped: u64,
+    gaps: Gaps,
     given: u64,
     warned_silent: bool,
     warned_colour: bool,
@@ -79,8 +77,7 @@ impl Live {
             pairer: Pairer::depth_only(),
             clock: Clock::default(),
             heard: Instant::now(),
-            index: None,
-            dropped: 0,
+            gaps: Gaps::default(),
             given: 0,
             warned_silent: false,
             warned_colour: false,
@@ -99,7 +96,7 @@ impl Live {
             Pairer::depth_only()
         };
         self.session = Some(session);
-        self.index = None;
+        self.gaps.restart();
         self.warned_silent = false;
         self.warned_reopen = false;
     }
@@ -115,9 +112,7 @@ impl Live {
                 match kind {
                     Kind::Colour => self.pairer.push_colour(stamp, frame),
                     Kind::Depth => {
-                        let gap = self.index.map_or(1, |last| frame.index.saturating_sub(last));
-                        self.index = Some(frame.index);
-                        self.dropped += u64::try_from(gap - 1).unwrap_or(0);
+                        self.gaps.next(frame.index);
                         self.pairer.push_depth(stamp, frame);
                     }
                 }
@@ -129,11 +124,14 @@ impl Live {
     }
 
     fn count_left_out(&mut self) {
-        self.dropped += self.pairer.take_left_out().depth;
-        if self.dropped >= WITHOUT_COLOUR && !self.warned_colour {
+        self.gaps.lost += self.pairer.take_left_out().depth;
+        if self.gaps.lost >= WITHOUT_COLOUR && !self.warned_colour {
             self.warned_colour = true;
             let uri = &self.device.uri;
-            tracing::warn!("{uri}: {} depth images have no colour image of their time and are left out", self.dropped);
+            tracing::warn!(
+                "{uri}: {} depth images have no colour image of their time and are left out",
+                self.gaps.lost
+            );
         }
     }
 
@@ -216,7 +214,7 @@ impl Live {
     fn frame(&mut self, pair: Pair<Frame, Frame>) -> Option<RawFrame> {
         let name = format!("{} frame {}", self.device.uri, self.given);
         self.given += 1;
-        let dropped = std::mem::take(&mut self.dropped);
+        let dropped = self.gaps.take();
         Some(self.session.as_ref()?.frame(name, pair, dropped))
     }
 }

@@ -4,6 +4,7 @@ mod clock;
 mod facts;
 mod film;
 mod find;
+mod gaps;
 mod library;
 mod live;
 mod modes;
