@@ -5,7 +5,8 @@ use std::path::Path;
 
 use pldi_core::Intrinsics;
 
-use super::ros::{Encoding, decode, topics::Kind};
+use super::ros::topics::Kind;
+use super::ros::{self, decode};
 use super::{Stamp, camera_info, files, image, lists};
 use crate::Error;
 
@@ -73,17 +74,45 @@ pub fn natural(a: &str, b: &str) -> Ordering {
     lists::natural(a, b)
 }
 
-/// A message of ROS 2 (CDR) or ROS 1, taken for each kind of image and for a calibration.
+fn encoding(cdr: bool) -> ros::Encoding {
+    if cdr { ros::Encoding::Cdr } else { ros::Encoding::Ros1 }
+}
+
+fn kind(compressed: bool) -> Kind {
+    if compressed { Kind::Compressed } else { Kind::Image }
+}
+
+/// The beginning of a message of ROS 2 (`cdr`) or ROS 1, as any kind.
+pub fn ros_header(cdr: bool, message: &[u8]) {
+    let _ = decode::stamp(message, encoding(cdr));
+    for kind in [Kind::Image, Kind::Compressed, Kind::Info] {
+        let _ = decode::sample(message, encoding(cdr), kind);
+    }
+}
+
+/// A message's calibration.
 ///
 /// # Errors
-/// What is wrong with it, for each in turn.
-pub fn message(bytes: &[u8], ros1: bool) -> [Result<(), Error>; 5] {
-    let (name, encoding) = (Path::new("message"), if ros1 { Encoding::Ros1 } else { Encoding::Cdr });
-    [
-        decode::colour(name, bytes, encoding, Kind::Image).map(drop),
-        decode::colour(name, bytes, encoding, Kind::Compressed).map(drop),
-        decode::depth(name, bytes, encoding, Kind::Image).map(drop),
-        decode::depth(name, bytes, encoding, Kind::Compressed).map(drop),
-        decode::info(name, bytes, encoding).and_then(|info| super::ros::intrinsics(name, &info)).map(drop),
-    ]
+/// What is wrong with it.
+pub fn ros_info(cdr: bool, message: &[u8]) -> Result<Intrinsics, Error> {
+    let name = Path::new("camera_info");
+    ros::intrinsics(name, &decode::info(name, message, encoding(cdr))?)
+}
+
+/// A message's colour image.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn ros_colour(cdr: bool, compressed: bool, message: &[u8]) -> Result<Image<u8>, Error> {
+    let image = decode::colour(Path::new("colour"), message, encoding(cdr), kind(compressed))?;
+    Ok((image.width, image.height, image.values))
+}
+
+/// A message's depth image.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn ros_depth(cdr: bool, compressed: bool, message: &[u8]) -> Result<Image<u16>, Error> {
+    let image = decode::depth(Path::new("depth"), message, encoding(cdr), kind(compressed))?.pixels;
+    Ok((image.width, image.height, image.values))
 }

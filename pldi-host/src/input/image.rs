@@ -83,6 +83,9 @@ fn decode(
             ),
         ));
     }
+    if image::guess_format(bytes).is_ok_and(|format| format == ImageFormat::Jpeg) && !jpeg_sampling_is_usual(bytes) {
+        return Err(content(path, "the image is damaged: its colours are sampled more finely than its brightness"));
+    }
     let damaged = |e: image::ImageError| content(path, format!("the image is damaged: {}", told(&e)));
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_DECODED_BYTES);
@@ -133,26 +136,51 @@ fn png_is_complete(bytes: &[u8]) -> bool {
     false
 }
 
+/// The segments of a JPEG: each marker with its content, which for the first scan, the last one here, is all that follows.
+struct Segments<'a>(&'a [u8]);
+
+impl<'a> Iterator for Segments<'a> {
+    type Item = (u8, &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let (&[0xff, kind], after) = self.0.split_first_chunk::<2>()? else { return None };
+            match kind {
+                0xda => {
+                    self.0 = &[];
+                    return Some((kind, after));
+                }
+                // Fill bytes and markers without content.
+                0xff => self.0 = &self.0[1..],
+                0x01 | 0xd0..=0xd7 => self.0 = after,
+                _ => {
+                    let length = usize::from(u16::from_be_bytes(*after.first_chunk()?)).max(2);
+                    self.0 = after.get(length..)?;
+                    return Some((kind, after.get(2..length)?));
+                }
+            }
+        }
+    }
+}
+
 /// Whether a JPEG has its end marker. Segments before the scan are skipped by their lengths, because a thumbnail in
 /// them has an end marker of its own; within the scan 0xFF is escaped, so that a marker found is one.
 fn jpeg_is_complete(bytes: &[u8]) -> bool {
-    let mut rest = bytes.get(2..).unwrap_or_default();
-    while let Some((&[0xff, kind], after)) = rest.split_first_chunk::<2>() {
-        match kind {
-            0xda => return after.windows(2).any(|w| w == [0xff, 0xd9]),
-            // Fill bytes and markers without content.
-            0xff => rest = &rest[1..],
-            0x01 | 0xd0..=0xd7 => rest = after,
-            _ => match after.split_first_chunk::<2>() {
-                None => return false,
-                Some((&length, _)) => match after.get(usize::from(u16::from_be_bytes(length)).max(2)..) {
-                    None => return false,
-                    Some(next) => rest = next,
-                },
-            },
-        }
-    }
-    false
+    let mut segments = Segments(bytes.get(2..).unwrap_or_default());
+    segments.any(|(kind, scan)| kind == 0xda && scan.windows(2).any(|w| w == [0xff, 0xd9]))
+}
+
+/// Whether a JPEG's brightness is sampled as finely as its colours, both ways: the decoder panics on some where it is not,
+/// and no camera writes any.
+fn jpeg_sampling_is_usual(bytes: &[u8]) -> bool {
+    let frames = Segments(bytes.get(2..).unwrap_or_default())
+        .filter(|(kind, _)| matches!(kind, 0xc0..=0xcf) && ![0xc4, 0xc8, 0xcc].contains(kind));
+    frames.into_iter().all(|(_, content)| {
+        // Precision, height, width and number of components; of each its name, sampling and table.
+        let components = content.get(6..).unwrap_or_default().as_chunks::<3>().0;
+        let mut sampling = components.iter().map(|[_, sampling, _]| [sampling >> 4, sampling & 15]);
+        sampling.next().is_none_or(|[w, h]| sampling.all(|[x, y]| x <= w && y <= h))
+    })
 }
 
 #[cfg(test)]
@@ -268,6 +296,21 @@ mod tests {
         let encoder = JpegEncoder::new_with_quality(&mut jpeg, 1);
         encoder.write_image(&vec![9; 5120 * 3840], 5120, 3840, ExtendedColorType::L8).unwrap();
         assert!(decode_colour(Path::new("image.bin"), &jpeg).is_ok(), "{} bytes", jpeg.len());
+    }
+
+    #[test]
+    fn brightness_is_sampled_as_finely_as_colour() {
+        let mut jpeg = Vec::new();
+        JpegEncoder::new(&mut jpeg).write_image(&[200; 3 * 24 * 17], 24, 17, ExtendedColorType::Rgb8).unwrap();
+        let frame = jpeg.windows(2).position(|w| w == [0xff, 0xc0]).unwrap();
+        let sampling = |jpeg: &mut [u8], y: u8, cb: u8| (jpeg[frame + 11], jpeg[frame + 14]) = (y, cb);
+        sampling(&mut jpeg, 0x11, 0x44);
+        let error = decode_colour(Path::new("image.bin"), &jpeg).unwrap_err().to_string();
+        assert!(error.contains("more finely than its brightness"), "{error}");
+        for (y, cb, usual) in [(0x22, 0x11, true), (0x21, 0x11, true), (0x21, 0x12, false), (0x12, 0x21, false)] {
+            sampling(&mut jpeg, y, cb);
+            assert_eq!(jpeg_sampling_is_usual(&jpeg), usual, "{y:x} {cb:x}");
+        }
     }
 
     fn crc32(bytes: &[u8]) -> u32 {

@@ -5,6 +5,7 @@
 mod image;
 mod mesh;
 mod pairs;
+mod ros;
 pub mod serial;
 mod templates;
 mod text;
@@ -14,6 +15,7 @@ use std::fmt::Display;
 pub use image::image;
 pub use mesh::{obj, off, ply, stl};
 pub use pairs::pairs;
+pub use ros::{bag, cdr, compressed_depth, mcap};
 pub use serial::{serial_device, serial_host};
 pub use templates::templates;
 pub use text::{associations, camera_info, intrinsics, lists};
@@ -24,10 +26,14 @@ pub type Target = (&'static str, fn(&[u8]));
 /// All targets, by name.
 pub const TARGETS: &[Target] = &[
     ("associations", associations),
+    ("bag", bag),
     ("camera_info", camera_info),
+    ("cdr", cdr),
+    ("compressed_depth", compressed_depth),
     ("image", image),
     ("intrinsics", intrinsics),
     ("lists", lists),
+    ("mcap", mcap),
     ("obj", obj),
     ("off", off),
     ("pairs", pairs),
