@@ -1,7 +1,7 @@
 //! Messages of ROS 1 and ROS 2 as recordings hold them: how they are written, what they hold, and frames from them.
 
 mod bayer;
-pub(super) mod camera_info;
+mod camera_info;
 pub(super) mod cdr;
 pub(super) mod chunk;
 mod compressed;
