@@ -165,6 +165,29 @@ fn records_that_lie_about_their_length_are_refused() {
 }
 
 #[test]
+fn as_many_topics_as_there_can_be_take_no_longer_each() {
+    let mut file = [&MAGIC[..], &schema(1, "sensor_msgs/msg/Image")].concat();
+    let topics = 0..=u16::MAX;
+    file.extend(topics.clone().flat_map(|id| channel(id, 1, &format!("/{id}/rgb"))));
+    file.extend(topics.flat_map(|id| message(id, 1, b"")));
+    let error = source::open(Box::new(Mcap::open(saved(&file).path()).unwrap()), &OpenOptions::default());
+    let error = error.err().unwrap().to_string();
+    assert!(error.contains("no depth topic") && error.contains("and 65496 more"), "{error}");
+}
+
+#[test]
+fn absurd_numbers_of_messages_are_only_announced() {
+    let counts: Vec<u8> = (1..=2u16).flat_map(|id| [&id.to_le_bytes()[..], &[0xff; 8]].concat()).collect();
+    let statistics = [&[0; 42][..], &(counts.len() as u32).to_le_bytes(), &counts].concat();
+    let declared = [schema(1, "sensor_msgs/msg/Image"), channel(1, 1, "/depth"), channel(2, 1, "/depth")].concat();
+    let start = MAGIC.len() as u64;
+    let footer = record(kind::FOOTER, &[&start.to_le_bytes()[..], &[0; 12]].concat());
+    let file = [&MAGIC[..], &declared, &record(kind::STATISTICS, &statistics), &footer, &MAGIC].concat();
+    let frames = source::open(Box::new(Mcap::open(saved(&file).path()).unwrap()), &OpenOptions::default()).unwrap();
+    assert_eq!(frames.frames(), usize::try_from(u64::MAX).ok());
+}
+
+#[test]
 fn what_is_no_mcap_is_said() {
     let refused = |bytes: &[u8]| Mcap::open(saved(bytes).path()).unwrap_err().to_string();
     assert!(refused(b"").contains("0 bytes"));

@@ -1,6 +1,6 @@
 //! Frames from a recording of messages, whatever its container.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -69,7 +69,11 @@ pub(in crate::input) trait Log: Send {
 
 /// The channels of a file by their numbers, with counts of messages.
 #[derive(Debug, Default)]
-pub(in crate::input) struct Channels(HashMap<u32, (Arc<Channel>, u64)>);
+pub(in crate::input) struct Channels {
+    by_id: HashMap<u32, (Arc<Channel>, u64)>,
+    /// Number of messages of all.
+    total: u64,
+}
 
 impl Channels {
     /// Adds a channel, its names fit for messages; a repeated declaration changes nothing.
@@ -81,29 +85,30 @@ impl Channels {
         };
         let Channel { topic, type_name, encoding } = channel;
         let channel = Channel { topic: clean(topic), type_name: clean(type_name), encoding: clean(encoding) };
-        self.0.entry(id).or_insert_with(|| (Arc::new(channel), 0));
+        self.by_id.entry(id).or_insert_with(|| (Arc::new(channel), 0));
     }
 
     /// Counts a message; its channel, if that was declared.
     pub(in crate::input) fn count(&mut self, id: u32) -> Option<&Arc<Channel>> {
-        let (channel, count) = self.0.get_mut(&id)?;
+        let (channel, count) = self.by_id.get_mut(&id)?;
         *count += 1;
+        self.total += 1;
         Some(channel)
     }
 
     /// Number of messages.
     pub(in crate::input) fn total(&self) -> u64 {
-        self.0.values().map(|(_, count)| count).sum()
+        self.total
     }
 
     /// Channels and their numbers.
     pub(in crate::input) fn numbered(&self) -> impl Iterator<Item = (u32, &Channel)> {
-        self.0.iter().map(|(id, (channel, _))| (*id, &**channel))
+        self.by_id.iter().map(|(id, (channel, _))| (*id, &**channel))
     }
 
     /// Channels and counts.
     pub(in crate::input) fn list(&self) -> Vec<(Channel, u64)> {
-        self.0.values().map(|(channel, count)| (Channel::clone(channel), *count)).collect()
+        self.by_id.values().map(|(channel, count)| (Channel::clone(channel), *count)).collect()
     }
 }
 
@@ -202,27 +207,36 @@ fn survey(log: &mut dyn Log) -> Result<Survey, Error> {
     let wanted = |samples: &HashMap<_, _>, channel: &Channel| {
         channel.readable().is_some() && !samples.contains_key(&channel.topic)
     };
-    while index.as_ref().is_none_or(|index| index.iter().any(|(c, count)| *count > 0 && wanted(&samples, c))) {
+    // Topics that the index announces messages of, and of which none was found yet.
+    let readable = |(channel, count): &&(Channel, u64)| *count > 0 && channel.readable().is_some();
+    let mut missing: Option<HashSet<String>> =
+        index.as_ref().map(|index| index.iter().filter(readable).map(|(c, _)| c.topic.clone()).collect());
+    while missing.as_ref().is_none_or(|missing| !missing.is_empty()) {
         let Step::Message(message) = log.next(SURVEY, &|channel| wanted(&samples, channel))? else { break };
         let Some((kind, encoding)) = message.channel.readable() else { continue };
         let sample = decode::sample(&message.data, encoding, kind).ok();
         samples.insert(message.channel.topic.clone(), sample);
+        if let Some(missing) = &mut missing {
+            missing.remove(&message.channel.topic);
+        }
         if kind == Kind::Info {
             infos.insert(message.channel.topic.clone(), message);
         }
     }
     let indexed = index.is_some();
+    let mut channels = index.unwrap_or_else(|| log.seen());
+    channels.sort();
     let mut topics: Vec<Topic> = Vec::new();
-    for (channel, count) in index.unwrap_or_else(|| log.seen()) {
-        // Several publishers of one topic.
-        if let Some(topic) = topics.iter_mut().find(|topic| topic.channel == channel) {
-            topic.count += count;
-        } else {
-            let sample = samples.get(&channel.topic).cloned().flatten();
-            topics.push(Topic { channel, count, sample });
+    for (channel, count) in channels {
+        match topics.last_mut() {
+            // Several publishers of one topic.
+            Some(topic) if topic.channel == channel => topic.count = topic.count.saturating_add(count),
+            _ => {
+                let sample = samples.get(&channel.topic).cloned().flatten();
+                topics.push(Topic { channel, count, sample });
+            }
         }
     }
-    topics.sort_by(|a, b| a.channel.topic.cmp(&b.channel.topic));
     Ok(Survey { topics, infos, indexed })
 }
 
@@ -357,7 +371,7 @@ impl Source for Frames {
     }
 
     fn frames(&self) -> Option<usize> {
-        let left = self.announced?.saturating_sub(self.settled) + self.ready.len() as u64;
+        let left = self.announced?.saturating_sub(self.settled).saturating_add(self.ready.len() as u64);
         usize::try_from(left).ok()
     }
 }

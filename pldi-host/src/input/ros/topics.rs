@@ -40,7 +40,7 @@ impl Kind {
 }
 
 /// A topic as its recording declares it.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(in crate::input) struct Channel {
     /// Name of the topic.
     pub(in crate::input) topic: String,
@@ -227,7 +227,8 @@ pub(in crate::input) fn choose(path: &Path, topics: &[Topic], options: &OpenOpti
 fn best<'a, K: Ord>(path: &Path, what: &str, topics: &[&'a Topic], order: impl Fn(&Topic) -> K) -> Option<&'a Topic> {
     let full = |t: &&&Topic| (order(t), t.form(), t.name().to_owned());
     let chosen = *topics.iter().min_by_key(full)?;
-    let others: Vec<&str> = topics.iter().filter(|t| t.base() != chosen.base()).map(|t| t.name()).collect();
+    let others = topics.iter().filter(|t| t.base() != chosen.base()).map(|t| t.name());
+    let others: Vec<&str> = others.take(MOST_LISTED).collect();
     let equal = topics.iter().any(|t| t.base() != chosen.base() && order(t) == order(chosen));
     let (path, name, option) = (path.display(), chosen.name(), if what == "depth" { "--depth" } else { "--color" });
     if equal {
