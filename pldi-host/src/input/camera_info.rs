@@ -4,6 +4,7 @@ use std::path::Path;
 
 use pldi_core::Intrinsics;
 use serde::Deserialize;
+use serde_saphyr::{Budget, Options};
 
 use super::files;
 use super::intrinsics::checked;
@@ -39,7 +40,10 @@ pub fn read_camera_info(path: &Path) -> Result<Intrinsics, Error> {
 /// The same of a file's text; `path` names it in messages.
 pub(super) fn parse(path: &Path, text: &str) -> Result<Intrinsics, Error> {
     let content = |reason: String| Error::Content { path: path.to_owned(), reason };
-    let info: CameraInfo = serde_saphyr::from_str(text).map_err(|e| {
+    // A calibration is three levels deep and has a hundred nodes; the reader's own bounds let it overflow a thread's stack.
+    let budget = Budget { max_depth: 16, max_nodes: 10_000, ..Budget::default() };
+    let options = Options { budget: Some(budget), ..Options::default() };
+    let info: CameraInfo = serde_saphyr::from_str_with_options(text, options).map_err(|e| {
         let message = told(&e);
         content(format!("not a camera_info file with image_width, image_height and camera_matrix.data: {message}"))
     })?;
@@ -169,6 +173,8 @@ mod tests {
         // Nesting far beyond any calibration must neither overflow the stack nor take long.
         assert!(read(&"[".repeat(100_000)).is_err());
         assert!(read(&"a: ".repeat(100_000)).is_err());
+        let nested: String = (0..1400).map(|depth| format!("{}a:\n", " ".repeat(depth))).collect();
+        assert!(read(&nested).is_err() && read(&nested.replace("a:", "-")).is_err());
     }
 
     proptest! {
