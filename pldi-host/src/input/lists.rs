@@ -100,9 +100,10 @@ pub(super) fn associate(path: &Path, colour: &[Stamped], depth: &[Stamped]) -> R
         let is_near = |c: usize| colour[c].stamp.apart(stamp) < MAX_APART;
         let from = by_time.partition_point(|&c| colour[c].stamp < stamp && !is_near(c));
         let near = by_time[from..].iter().take_while(|&&c| is_near(c));
-        pairs.extend(near.map(|&c| (colour[c].stamp.apart(stamp), d, c)));
-        // A sensor gives one or two candidates; stamps that are all alike would give the square of the list.
-        if pairs.len() > 64 * (colour.len() + depth.len()) {
+        // Small numbers all: less than `MAX_APART`, and lines of a file of less than 4 GB.
+        pairs.extend(near.map(|&c| (colour[c].stamp.apart(stamp) as u32, d as u32, c as u32)));
+        // Streams of 400 images a second give so many; stamps that are all alike would give the square of the list.
+        if pairs.len() > 8 * (colour.len() + depth.len()) {
             return Err(Error::Content {
                 path: path.to_owned(),
                 reason: "too many stamps lie within 0.02 s of each other: they must be in seconds".to_owned(),
@@ -113,6 +114,7 @@ pub(super) fn associate(path: &Path, colour: &[Stamped], depth: &[Stamped]) -> R
     let (mut colour_used, mut depth_used) = (vec![false; colour.len()], vec![false; depth.len()]);
     let mut entries = Vec::new();
     for (_, d, c) in pairs {
+        let (d, c) = (d as usize, c as usize);
         if !colour_used[c] && !depth_used[d] {
             (colour_used[c], depth_used[d]) = (true, true);
             let (Stamped { stamp, file, line }, colour) = (depth[d].clone(), colour[c].clone());
@@ -218,6 +220,17 @@ mod tests {
         let mut names = ["f10.png", "f2.png", "f1.png", "f01.png", "e", "f", ""];
         names.sort_by(|a, b| natural(a, b));
         assert_eq!(names, ["", "e", "f", "f1.png", "f01.png", "f2.png", "f10.png"]);
+    }
+
+    #[test]
+    fn fast_streams_pair_and_stamps_all_alike_are_refused() {
+        let path = Path::new("depth.txt");
+        let list = |apart: i64| -> Vec<Stamped> {
+            (0..2000).map(|i| Stamped { stamp: Stamp(i * apart), file: String::new(), line: 1 }).collect()
+        };
+        let four_hundred_hertz = list(2_500_000);
+        assert_eq!(associate(path, &four_hundred_hertz, &four_hundred_hertz).unwrap().len(), 2000);
+        assert!(associate(path, &list(0), &list(0)).unwrap_err().to_string().contains("too many stamps"));
     }
 
     proptest! {
