@@ -141,7 +141,7 @@ fn inputs_that_are_no_recordings() {
     refused(&recording().join("camera_info.yaml"), &[], 1, &["camera_info.yaml", "no known kind of input"], 0);
     refused(recording(), &["--floor", "steep"], 2, &["--floor"], 0);
     refused(recording(), &["--depth-scale", "0"], 2, &["depth scale"], 0);
-    refused(recording(), &["--colour", "x.png"], 2, &["--colour"], 0);
+    refused(recording(), &["--colour", "x.png"], 2, &["--color"], 0);
     let file = empty.path().join("file");
     std::fs::write(&file, b"").unwrap();
     refused(recording(), &["--overlay", file.to_str().unwrap()], 1, &["cannot write", "file"], 0);

@@ -272,7 +272,8 @@ impl Frames {
         let Some((kind, encoding)) = message.channel.readable() else { return };
         // One whose stamp cannot be read cannot be decoded either: the frame will say so.
         let stamp = match decode::stamp(&message.data, encoding) {
-            Ok(0) => {
+            // A recording may begin at 0.
+            Ok(0) if message.time != 0 => {
                 if !std::mem::replace(&mut self.warned_stamp, true) {
                     tracing::warn!(
                         "{}: the headers of {} have no stamps; the times of recording are taken",
