@@ -73,11 +73,11 @@ pub fn run(only: Option<Set>, threads: usize) -> BTreeMap<Key, Errors> {
     let mut jobs = jobs();
     jobs.retain(|job| only.is_none_or(|set| job.set() == set));
     let mut all = BTreeMap::new();
-    let work = |tools: &mut Tools, i: usize| jobs[i].run(tools);
+    let work = |tools: &mut Tools, _, job: Job| job.run(tools);
     let sink = |_, tally: Tally| {
         tally.merge_into(&mut all);
         Ok::<_, std::convert::Infallible>(true)
     };
-    let Ok(()) = parallel::for_each_ordered(jobs.len(), threads, Tools::new, work, sink);
+    let Ok(()) = parallel::for_each_ordered(jobs, threads, Tools::new, work, sink);
     all
 }

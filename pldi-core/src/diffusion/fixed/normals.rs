@@ -1,5 +1,5 @@
 //! Surface normals within a fixed radius in integers, see the float twin. Centres of a row of the image are taken by
-//! eights; those whose depths differ little form a [`Group`](super::group), with one unit and one window for all.
+//! eights; those whose depths differ little form a group, with one unit and one window for all.
 
 pub use super::group::Scratch;
 use super::group::{FINE, Group, MARGIN};
