@@ -291,7 +291,7 @@ fn what_is_no_device_is_told() {
         assert!(outcome.code == Some(2) && outcome.stderr.contains("cannot be used with"), "{}", outcome.stderr);
     }
     let outcome = pldi(["run"]);
-    assert!(outcome.code == Some(2) && outcome.stderr.contains("INPUT"), "{}", outcome.stderr);
+    assert!(outcome.code == Some(2) && outcome.stderr.contains("<SOURCE>"), "{}", outcome.stderr);
     // Nothing came: no frame, and nothing wrong.
     assert_eq!(pldi(arguments!["run", "--from-serial", file(folder.path(), b"")]).ok().stdout, b"");
 }
