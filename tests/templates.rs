@@ -6,8 +6,29 @@ use std::fmt::Write as _;
 
 use common::{folder, pldi, recording};
 use pldi_core::matching::canberra;
+use pldi_core::pipeline::Float;
 use pldi_core::templates::{Encoding, Templates};
-use pldi_host::templates::fixed_file;
+use pldi_host::templates::{Builder, EMBEDDED, Look, fixed_file, procedural};
+use pldi_host::{Numbers, parallel};
+
+/// One object of each class, all its views; `cargo xtask golden --check` makes all eight, which takes minutes.
+#[test]
+fn the_embedded_set_is_what_the_code_makes() {
+    let set = Templates::parse(EMBEDDED).unwrap();
+    let look = Look { distances: vec![2.0, 3.0], ..Look::default() };
+    let builder = Builder::new(*set.view_params(), look).unwrap();
+    let objects = procedural(8);
+    assert!(set.objects().map(|(_, name)| name).eq(objects.iter().map(|o| o.name.as_str())));
+    let numbers: Vec<usize> = (0..objects.len() / 8).map(|class| 8 * class + class % 8).collect();
+    parallel::map_ordered(numbers.len(), 2, Float::workspace, |workspace, i| {
+        let number = numbers[i];
+        let made = builder.describe::<Float>(&objects[number], number, workspace)?;
+        let kept = set.iter().filter(|t| usize::from(t.object()) == number).map(|t| (t.view(), t.descriptor()));
+        assert!(kept.eq(made), "{}: `cargo xtask golden` if that is meant", objects[number].name);
+        Ok::<_, pldi_host::Error>(())
+    })
+    .unwrap();
+}
 
 /// A shelf-like solid (not the same from any two sides) as corners and triangles, in metres, z up.
 fn solid() -> (Vec<[f32; 3]>, Vec<[usize; 3]>) {

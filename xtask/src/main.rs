@@ -47,7 +47,8 @@ Tasks:
   size              prints the memory plan of the pipeline in integers, compares it with docs/memory.md
   size --renew      writes docs/memory.md anew
   golden            makes the committed golden data anew
-  golden --check    makes it elsewhere and compares it byte for byte with what is committed
+  golden --check    makes it elsewhere and compares it byte for byte with what is committed; of the template set,
+                    ci makes one object of each class
   conformance       compares the stages' bits with the golden ones, all stages with their truth, fixed point with
                     float, and the stages of `pldi` with the reference on real recordings
   endurance [MINUTES]   records 10 minutes at 30 Hz and recognises them: memory and time; not part of ci

@@ -9,7 +9,7 @@ use pldi_core::pipeline::{Pipeline, Workspace};
 use pldi_core::view::ViewParams;
 use pldi_core::{Floor, Frame, Intrinsics, Params};
 use pldi_fixtures::kinect::{CameraPose, Capture, Pitch, Room, Scene, Sensor, ViewRing};
-use pldi_fixtures::{Material, Mesh, Texture, rng};
+use pldi_fixtures::{Class, Material, Mesh, TEMPLATE_SEEDS, Texture, furniture, rng};
 
 use super::write::{TemplateSet, View};
 use crate::input::reduce;
@@ -48,6 +48,16 @@ pub struct ObjectMesh {
     pub name: String,
     /// The mesh in metres, z up, standing on z = 0, centred on x = y = 0.
     pub mesh: Arc<Mesh>,
+}
+
+/// The first `count` procedural objects of each class, out of those meant for templates, class by class.
+pub fn procedural(count: u16) -> Vec<ObjectMesh> {
+    let object = |class: Class, i: u16| ObjectMesh {
+        class: class.name().to_owned(),
+        name: format!("{} {i}", class.name()),
+        mesh: Arc::new(furniture(class, TEMPLATE_SEEDS + u64::from(i))),
+    };
+    Class::ALL.iter().flat_map(|class| (0..count).map(move |i| object(*class, i))).collect()
 }
 
 /// Builds template sets.
@@ -118,8 +128,12 @@ impl Builder {
         Ok(set)
     }
 
-    /// The descriptors of all views of one object that show it.
-    fn describe<A: Numbers>(
+    /// The descriptors of all views of one object that show it, with the views' numbers. `number` is the object's in its
+    /// set: the simulated noise depends on it.
+    ///
+    /// # Errors
+    /// `Usage` where no view shows anything.
+    pub fn describe<A: Numbers>(
         &self,
         object: &ObjectMesh,
         number: usize,

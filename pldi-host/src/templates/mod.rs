@@ -5,7 +5,7 @@ pub mod evaluate;
 pub mod fixed;
 pub mod write;
 
-pub use build::{Builder, Look, ObjectMesh};
+pub use build::{Builder, Look, ObjectMesh, procedural};
 pub use evaluate::{Confusion, leave_one_object_out};
 pub use fixed::{fixed_file, for_arithmetic};
 pub use write::{TemplateSet, View};

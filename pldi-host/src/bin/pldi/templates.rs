@@ -6,10 +6,12 @@ use std::sync::Arc;
 use pldi_core::pipeline::{Fixed, Float};
 use pldi_core::templates::Encoding;
 use pldi_core::view::ViewParams;
-use pldi_fixtures::{Class, Mesh, TEMPLATE_SEEDS, furniture};
+use pldi_fixtures::Mesh;
 use pldi_host::mesh::{Size, TriangleMesh, Unit, Up};
 use pldi_host::output::atomic;
-use pldi_host::templates::{Builder, EMBEDDED, Look, ObjectMesh, fixed_file, for_arithmetic, leave_one_object_out};
+use pldi_host::templates::{
+    Builder, EMBEDDED, Look, ObjectMesh, fixed_file, for_arithmetic, leave_one_object_out, procedural,
+};
 use pldi_host::{ArithmeticKind, Error, Numbers, parallel};
 
 use crate::args::{ArithmeticArg, Threads, ViewArgs};
@@ -191,7 +193,7 @@ impl Build {
             exact_distance: self.exact_distance,
         };
         let builder = Builder::new(self.view.params(ViewParams::DEFAULT), look)?;
-        let objects = if self.procedural { self.furniture() } else { self.read_meshes()? };
+        let objects = if self.procedural { procedural(self.objects) } else { self.read_meshes()? };
         match self.arithmetic.into() {
             ArithmeticKind::Float => self.write::<Float>(&builder, &objects),
             ArithmeticKind::Fixed => self.write::<Fixed>(&builder, &objects),
@@ -213,15 +215,6 @@ impl Build {
         let (views, objects, classes) = (set.views.len(), set.objects.len(), set.classes.len());
         eprintln!("{}: {views} templates of {objects} objects in {classes} classes", self.output.display());
         Ok(())
-    }
-
-    fn furniture(&self) -> Vec<ObjectMesh> {
-        let object = |class: Class, i: u16| ObjectMesh {
-            class: class.name().to_owned(),
-            name: format!("{} {i}", class.name()),
-            mesh: Arc::new(furniture(class, TEMPLATE_SEEDS + u64::from(i))),
-        };
-        Class::ALL.iter().flat_map(|class| (0..self.objects).map(move |i| object(*class, i))).collect()
     }
 
     fn read_meshes(&self) -> anyhow::Result<Vec<ObjectMesh>> {
