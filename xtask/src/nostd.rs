@@ -7,9 +7,8 @@ use crate::process::{cargo, program, run as run_command, target_dir};
 use crate::report::{Outcome, Report};
 
 /// What the targets are built with: a name and cargo's options. (Nothing is linked, so defmt needs no linker script.) With the
-/// default features, the images of `tests/firmware` and `tests/symbols` are built for the others.
-const BUILDS: [(&str, &str, &str); 4] = [
-    ("thumbv6m-none-eabi", "default features", ""),
+/// default features, the images of `tests/firmware` and `tests/symbols` are built.
+const BUILDS: [(&str, &str, &str); 3] = [
     ("thumbv6m-none-eabi", "all features", "--all-features"),
     ("thumbv7em-none-eabihf", "all features", "--all-features"),
     ("riscv32imac-unknown-none-elf", "all features", "--all-features"),
