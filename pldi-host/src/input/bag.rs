@@ -10,9 +10,10 @@ use std::sync::Arc;
 
 use super::ros::Fields;
 use super::ros::chunk::{Compression, Place, Span};
+use super::ros::log::{Channels, Container, Message};
 use super::ros::records::{Fault, Record, Records, begins, skip, take};
 use super::ros::ros1::Ros1;
-use super::ros::source::{self, Channels, Log, Message, Step};
+use super::ros::source;
 use super::ros::topics::Channel;
 use super::{OpenOptions, Source};
 use crate::Error;
@@ -115,8 +116,25 @@ impl Bag {
         records.go_to(at);
         Ok(Self { records, index, channels: Channels::default() })
     }
+}
 
-    /// Reads the next record, of the chunk where one is open.
+impl Container for Bag {
+    fn records(&self) -> &Records {
+        &self.records
+    }
+
+    fn records_mut(&mut self) -> &mut Records {
+        &mut self.records
+    }
+
+    fn channels(&self) -> &Channels {
+        &self.channels
+    }
+
+    fn forget(&mut self) {
+        self.channels = Channels::default();
+    }
+
     fn record(&mut self, wanted: &dyn Fn(&Channel) -> bool) -> Result<Record, Fault> {
         let Self { records, index, channels } = self;
         let in_chunk = records.in_chunk(|chunk| {
@@ -160,7 +178,6 @@ impl Bag {
         Ok(record)
     }
 
-    /// The channels and their counts by the index at the file's end.
     fn summary(&self) -> Result<Vec<(Channel, u64)>, Fault> {
         let (mut at, size) = (self.index.ok_or(Fault::Cut)?, self.records.size);
         let mut reader = Span::new(&self.records.file, at, size);
@@ -182,40 +199,6 @@ impl Bag {
         }
         let count = |id: u32| counts.get(&id).copied().unwrap_or(0);
         Ok(channels.numbered().map(|(id, channel)| (channel.clone(), count(id))).collect())
-    }
-}
-
-impl Log for Bag {
-    fn path(&self) -> &Path {
-        &self.records.path
-    }
-
-    fn next(&mut self, until: u64, wanted: &dyn Fn(&Channel) -> bool) -> Result<Step, Error> {
-        while !self.records.has_ended() {
-            let record = self.record(wanted);
-            match self.records.step(record, self.channels.total())? {
-                Step::Nothing if !self.records.is_beyond(until) => {}
-                step => return Ok(step),
-            }
-        }
-        Ok(Step::End)
-    }
-
-    fn position(&self) -> u64 {
-        self.records.at
-    }
-
-    fn rewind(&mut self) {
-        self.records.rewind();
-        self.channels = Channels::default();
-    }
-
-    fn index(&mut self) -> Option<Vec<(Channel, u64)>> {
-        self.summary().ok().filter(|channels| !channels.is_empty())
-    }
-
-    fn seen(&self) -> Vec<(Channel, u64)> {
-        self.channels.list()
     }
 }
 

@@ -8,9 +8,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::ros::chunk::{Compression, Place, Span};
+use super::ros::log::{Channels, Container, Message};
 use super::ros::records::{Fault, Record, Records, begins, skip, take};
 use super::ros::ros1::Ros1;
-use super::ros::source::{self, Channels, Log, Message, Step};
+use super::ros::source;
 use super::ros::topics::Channel;
 use super::ros::{Fields, Malformed};
 use super::{OpenOptions, Source};
@@ -79,33 +80,6 @@ impl Mcap {
         Ok(Self { records: Records::open(path, "MCAP file", &MAGIC)?, declared: Declared::default() })
     }
 
-    /// Reads the next record, of the chunk where one is open.
-    fn record(&mut self, wanted: &dyn Fn(&Channel) -> bool) -> Result<Record, Fault> {
-        let Self { records, declared } = self;
-        let in_chunk = records.in_chunk(|chunk| {
-            let (kind, length) = read_head(chunk)?;
-            if length > chunk.left() { Err(Fault::Cut) } else { read_body(chunk, kind, length, declared, wanted) }
-        });
-        if let Some(record) = in_chunk {
-            return record;
-        }
-        let (kind, length) = read_head(&mut records.reader)?;
-        let end = records.at.saturating_add(HEAD).saturating_add(length);
-        if kind == kind::CHUNK {
-            return self.enter(length, end);
-        }
-        if end > records.size {
-            return Err(Fault::Cut);
-        }
-        if kind == kind::ATTACHMENT {
-            records.go_to(end);
-            return Ok(Record::Other);
-        }
-        let record = read_body(&mut records.reader, kind, length, declared, wanted)?;
-        records.at = end;
-        Ok(record)
-    }
-
     /// Opens the chunk of `length` bytes whose head has been read and which ends before the byte `end`.
     fn enter(&mut self, length: u64, end: u64) -> Result<Record, Fault> {
         let Records { at: start, size: file_size, .. } = self.records;
@@ -134,8 +108,51 @@ impl Mcap {
         self.records.enter(start, end, place);
         Ok(Record::Other)
     }
+}
 
-    /// The channels and their counts by the summary at the file's end.
+impl Container for Mcap {
+    fn records(&self) -> &Records {
+        &self.records
+    }
+
+    fn records_mut(&mut self) -> &mut Records {
+        &mut self.records
+    }
+
+    fn channels(&self) -> &Channels {
+        &self.declared.channels
+    }
+
+    fn forget(&mut self) {
+        self.declared = Declared::default();
+    }
+
+    fn record(&mut self, wanted: &dyn Fn(&Channel) -> bool) -> Result<Record, Fault> {
+        let Self { records, declared } = self;
+        let in_chunk = records.in_chunk(|chunk| {
+            let (kind, length) = read_head(chunk)?;
+            if length > chunk.left() { Err(Fault::Cut) } else { read_body(chunk, kind, length, declared, wanted) }
+        });
+        if let Some(record) = in_chunk {
+            return record;
+        }
+        let (kind, length) = read_head(&mut records.reader)?;
+        let end = records.at.saturating_add(HEAD).saturating_add(length);
+        if kind == kind::CHUNK {
+            return self.enter(length, end);
+        }
+        if end > records.size {
+            return Err(Fault::Cut);
+        }
+        if kind == kind::ATTACHMENT {
+            records.go_to(end);
+            return Ok(Record::Other);
+        }
+        let record = read_body(&mut records.reader, kind, length, declared, wanted)?;
+        records.at = end;
+        Ok(record)
+    }
+
     fn summary(&self) -> Result<Vec<(Channel, u64)>, Fault> {
         let Records { file, size, .. } = &self.records;
         let tail = size.checked_sub(TAIL).ok_or(Fault::Cut)?;
@@ -160,40 +177,6 @@ impl Mcap {
         let counts = counts.ok_or(Fault::Cut)?;
         let count = |id: u32| counts.get(&id).copied().unwrap_or(0);
         Ok(declared.channels.numbered().map(|(id, channel)| (channel.clone(), count(id))).collect())
-    }
-}
-
-impl Log for Mcap {
-    fn path(&self) -> &Path {
-        &self.records.path
-    }
-
-    fn next(&mut self, until: u64, wanted: &dyn Fn(&Channel) -> bool) -> Result<Step, Error> {
-        while !self.records.has_ended() {
-            let record = self.record(wanted);
-            match self.records.step(record, self.declared.channels.total())? {
-                Step::Nothing if !self.records.is_beyond(until) => {}
-                step => return Ok(step),
-            }
-        }
-        Ok(Step::End)
-    }
-
-    fn position(&self) -> u64 {
-        self.records.at
-    }
-
-    fn rewind(&mut self) {
-        self.records.rewind();
-        self.declared = Declared::default();
-    }
-
-    fn index(&mut self) -> Option<Vec<(Channel, u64)>> {
-        self.summary().ok().filter(|channels| !channels.is_empty())
-    }
-
-    fn seen(&self) -> Vec<(Channel, u64)> {
-        self.declared.channels.list()
     }
 }
 

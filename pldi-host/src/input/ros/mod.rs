@@ -7,6 +7,7 @@ pub(super) mod chunk;
 mod compressed;
 pub(super) mod decode;
 mod image;
+pub(super) mod log;
 mod messages;
 pub(super) mod records;
 pub(super) mod ros1;

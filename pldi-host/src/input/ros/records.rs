@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::Malformed;
 use super::chunk::{Chunk, Place, Span};
-use super::source::{Message, Step};
+use super::log::{Message, Step};
 use crate::Error;
 
 /// Why a record could not be read.

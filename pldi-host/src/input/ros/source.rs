@@ -2,11 +2,11 @@
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use pldi_core::Intrinsics;
 
 use super::decode::{self, Sample};
+use super::log::{Log, Message, Step};
 use super::topics::{Channel, Chosen, Kind, Topic, choose};
 use super::{CameraInfo, Encoding, camera_info};
 use crate::Error;
@@ -20,97 +20,8 @@ const SURVEY: u64 = 64 << 20;
 const SURVEY_INFO: u64 = 512 << 20;
 /// So much is read between two looks at whether to stop.
 const STEP: u64 = 8 << 20;
-/// Letters of a topic's or type's name that are kept; none is as long.
-const MAX_NAME: usize = 250;
 /// Images of each topic that wait for their partners: those of a second.
 const WAITING: usize = 30;
-
-/// A message that was asked for.
-#[derive(Debug, Clone)]
-pub(in crate::input) struct Message {
-    pub(in crate::input) channel: Arc<Channel>,
-    /// When it was recorded, in nanoseconds.
-    pub(in crate::input) time: i64,
-    pub(in crate::input) data: Vec<u8>,
-}
-
-/// What reading on came to.
-#[derive(Debug)]
-pub(in crate::input) enum Step {
-    Message(Message),
-    /// Nothing that was asked for up to the given byte.
-    Nothing,
-    End,
-}
-
-/// A container of messages, read from its beginning to its end.
-pub(in crate::input) trait Log: Send {
-    /// The file.
-    fn path(&self) -> &Path;
-
-    /// The next message that is `wanted`, reading not much beyond the byte `until`.
-    ///
-    /// # Errors
-    /// Where the file cannot be read at all; damage is warned about, and what can be read behind it is.
-    fn next(&mut self, until: u64, wanted: &dyn Fn(&Channel) -> bool) -> Result<Step, Error>;
-
-    /// The byte up to which the file has been read.
-    fn position(&self) -> u64;
-
-    /// Goes back to the beginning; warnings, held back before, are given from now on.
-    fn rewind(&mut self);
-
-    /// All channels with their numbers of messages, where the file has an index.
-    fn index(&mut self) -> Option<Vec<(Channel, u64)>>;
-
-    /// The channels found so far, with the numbers of their messages.
-    fn seen(&self) -> Vec<(Channel, u64)>;
-}
-
-/// The channels of a file by their numbers, with counts of messages.
-#[derive(Debug, Default)]
-pub(in crate::input) struct Channels {
-    by_id: HashMap<u32, (Arc<Channel>, u64)>,
-    /// Number of messages of all.
-    total: u64,
-}
-
-impl Channels {
-    /// Adds a channel, its names fit for messages; a repeated declaration changes nothing.
-    pub(in crate::input) fn declare(&mut self, id: u32, channel: Channel) {
-        let clean = |text: String| {
-            let printed =
-                text.chars().take(MAX_NAME).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c });
-            printed.collect()
-        };
-        let Channel { topic, type_name, encoding } = channel;
-        let channel = Channel { topic: clean(topic), type_name: clean(type_name), encoding: clean(encoding) };
-        self.by_id.entry(id).or_insert_with(|| (Arc::new(channel), 0));
-    }
-
-    /// Counts a message; its channel, if that was declared.
-    pub(in crate::input) fn count(&mut self, id: u32) -> Option<&Arc<Channel>> {
-        let (channel, count) = self.by_id.get_mut(&id)?;
-        *count += 1;
-        self.total += 1;
-        Some(channel)
-    }
-
-    /// Number of messages.
-    pub(in crate::input) fn total(&self) -> u64 {
-        self.total
-    }
-
-    /// Channels and their numbers.
-    pub(in crate::input) fn numbered(&self) -> impl Iterator<Item = (u32, &Channel)> {
-        self.by_id.iter().map(|(id, (channel, _))| (*id, &**channel))
-    }
-
-    /// Channels and counts.
-    pub(in crate::input) fn list(&self) -> Vec<(Channel, u64)> {
-        self.by_id.values().map(|(channel, count)| (Channel::clone(channel), *count)).collect()
-    }
-}
 
 /// An image's message, not decoded yet.
 struct Packed {

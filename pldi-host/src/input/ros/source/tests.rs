@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use super::super::messages::tests::{Writer, image, info};
 use super::super::{Image, messages::Header};
 use super::*;
